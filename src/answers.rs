@@ -1,6 +1,7 @@
-//! Search in the texts for people: the questions of `docs/questions.md`, the titles of the how-to pages, the G and M codes, and the explanations of the
-//! diagnostic codes.
+//! Search in the texts for people: the questions of `docs/questions.md`, the titles of the how-to pages, the sections of all pages, the G and M codes, and
+//! the explanations of the diagnostic codes.
 
+mod pages;
 mod plain;
 mod query;
 
@@ -20,6 +21,10 @@ const MOST: usize = 8;
 
 /// The most texts of one kind that a search shows if none has all words.
 const MOST_IN_PART: usize = 5;
+
+/// The most sections of pages after answers that have all words, and before answers that have only some of them.
+const MOST_SECTIONS: usize = 3;
+const MOST_FIRST_SECTIONS: usize = 2;
 
 /// The name of each language with its table of G and M codes (code, group, effect, words and meaning, separated by tabs), and the codes whose holes stay
 /// cycles in the output.
@@ -66,11 +71,22 @@ fn about(words: &[String]) -> Option<String> {
     let query = Query::new(words, answers.iter().chain(&codes).map(|entry| entry.text.as_str()));
     let named = nc_codes(words);
     let found = best(&query, &answers);
-    let mut out: String = found.shown.concat();
+    let most = if found.has_all { MOST_SECTIONS } else { MOST_FIRST_SECTIONS };
+    let sections = query.best_sections(&pages::sections(), most);
+    // The page of an answer is not named again.
+    let is_new = |shown: &&String| {
+        shown.lines().next().is_some_and(|title| !found.shown.iter().any(|own| own.starts_with(title)))
+    };
+    // Those before the answers: a page about these very words, or all if no answer has all words.
+    let first = if found.has_all { usize::from(sections.is_its_heading) } else { most };
+    let first = first.min(sections.shown.len());
+    let mut out: String = sections.shown[..first].iter().filter(is_new).cloned().collect();
+    out += &found.shown.concat();
+    out.extend(sections.shown[first..].iter().filter(is_new).cloned());
     out += &named;
     let found_codes = best(&query, &codes);
     // Codes that have only some of the words say less than an answer.
-    if found_codes.has_all || found.shown.is_empty() && named.is_empty() {
+    if found_codes.has_all || out.is_empty() {
         out += &found_codes.shown.concat();
     }
     (!out.is_empty()).then_some(out)

@@ -19,7 +19,7 @@ use ncfix_metrology::results::not_shown::not_shown;
 use ncfix_metrology::results::parameters::{self, ModelText};
 use ncfix_metrology::results::stated::{StatedStart, start_with_terms};
 use ncfix_metrology::results::uncertain::uncertainty_of;
-use ncfix_model::ErrorModel;
+use ncfix_model::{ErrorModel, ParameterName};
 
 /// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.
 ///
@@ -309,7 +309,10 @@ pub(crate) fn with_terms(
 fn measured_by(machine: &Machine, used: &[Measurement], found: &Found) -> MeasuredRanges {
     let sets: Vec<&ncfix_metrology::measure::data::DataSet> = used.iter().map(|one| &one.data).collect();
     let mut ranges = measured_ranges(&machine.machine, sets.iter().copied(), holdout_um(found));
-    ranges.not_shown = not_shown(&machine.machine, &machine.errors, &ranges, (&sets, &found.omitted));
+    let left_out = found.left_out.iter().flat_map(|one| &one.parameters);
+    let omitted: Vec<String> = found.omitted.iter().chain(left_out).cloned().collect();
+    let fitted: Vec<ParameterName> = found.parameters.iter().filter_map(|one| one.name.parse().ok()).collect();
+    ranges.not_shown = not_shown(&machine.machine, &machine.errors, &ranges, &sets, (&omitted, &fitted));
     ranges
 }
 

@@ -7,6 +7,7 @@ use crate::options::Options;
 use crate::program::Program;
 use crate::run::Watch;
 use crate::support_file;
+use ncfix_base::diagnostic::Severity;
 use ncfix_language::syntax;
 
 /// The stages that a check completed.
@@ -37,6 +38,12 @@ impl Checked {
             syntax::Program::Words(_) => None,
         };
     }
+}
+
+/// The file of the first error of a machine that cannot be used.
+pub(crate) fn faulty_file(found: &Diagnostics) -> String {
+    let first = found.json().into_iter().find(|one| one.severity == Severity::Error);
+    first.and_then(|one| one.file).unwrap_or_else(|| "the machine file or the state".to_owned())
 }
 
 impl Program {

@@ -1,13 +1,14 @@
 //! The datum of a job: the zero offsets that a program uses, the method by which each was set, and the error of the machine that a touched one contains.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::diagnostics::Diagnostics;
 use crate::first_tools::{self, FirstTools};
 use crate::machine::Machine;
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
 use ncfix_base::number::significant;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_language::exec;
@@ -76,38 +77,46 @@ pub(crate) fn of_unknown_sides(chosen: &Machine) -> Vec<Model> {
     [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate().filter_map(of_axis).collect()
 }
 
-/// The model after one standard deviation of the length of a tool or probe that touched and that nothing states; `None` if it has no effect. The tools of the
-/// machine file and a touch without a tool are equally possible: the interval contains their largest difference from the counted length, as with a side.
-pub(crate) fn of_unknown_length(chosen: &Machine) -> Option<Model> {
-    let base = chosen.model();
+/// The machine with other lengths of a tool or probe that touched, where nothing states the length and it matters: anything from a touch without a tool to the
+/// longest tool is possible. The length that counts is in between.
+pub(crate) fn of_other_lengths(chosen: &Machine) -> Vec<Machine> {
     let zeros: Vec<(&String, u16)> = all(chosen).map(|(name, _)| name).zip(0_u16..).collect();
-    let touches_of = |model: &Model| -> Vec<Vector> { zeros.iter().map(|(_, index)| model.touch_mm(*index)).collect() };
-    let own_mm = touches_of(&base);
-    let relative: Vec<bool> = zeros.iter().map(|(name, index)| is_relative(&datum_of(chosen, name, *index))).collect();
-    let lengths_mm = chosen.machine.tools.iter().map(|tool| tool.length_mm[0]);
-    let first_mm = chosen.first_tools_mm.values().copied();
+    let is_open = |name: &str, index: u16| {
+        let datum = datum_of(chosen, name, index);
+        is_relative(&datum) && chosen.machine.datums.get(name).is_none_or(has_open_length)
+    };
+    let open: Vec<(&String, u16)> = zeros.into_iter().filter(|(name, index)| is_open(name, *index)).collect();
+    if open.is_empty() {
+        return Vec::new();
+    }
+    let touches_of = |machine: &Machine| -> Vec<Vector> {
+        let model = machine.model();
+        open.iter().map(|(_, index)| model.touch_mm(*index)).collect()
+    };
+    let counted_mm = touches_of(chosen);
+    let of_file = chosen.machine.tools.iter().map(|tool| tool.length_mm[0]);
+    // A control that measures tools from the machine zero has negative lengths.
+    let [shortest_mm, longest_mm] = of_file
+        .chain(chosen.first_tools_mm.values().copied())
+        .fold([0.0_f64; 2], |[low, high], length_mm| [low.min(length_mm), high.max(length_mm)]);
     let with = |length_mm: f64| {
         let mut other = chosen.clone();
-        for (name, _) in &zeros {
+        for (name, _) in &open {
             let datum = other.machine.datums.entry((*name).clone()).or_default();
             datum.at.iter_mut().for_each(|at| at.tool_length_mm = at.tool_length_mm.or(Some(length_mm)));
         }
-        touches_of(&other.model())
+        other
     };
-    let far_mm = |touches_mm: &[Vector]| {
-        let changes = own_mm.iter().zip(touches_mm).zip(&relative).filter(|(_, is_relative)| **is_relative);
-        changes.map(|((own, other), _)| (other - own).norm()).fold(0.0, f64::max)
+    let differs = |other: &Machine| {
+        let touches_mm = touches_of(other);
+        counted_mm.iter().zip(&touches_mm).any(|(own, other)| (other - own).amax() > NOISE_MM)
     };
-    let [shortest_mm, longest_mm] = lengths_mm
-        .chain(first_mm)
-        .fold([0.0_f64; 2], |[low, high], length_mm| [low.min(length_mm), high.max(length_mm)]);
-    let farthest = [0.0, shortest_mm, longest_mm]
-        .map(with)
-        .into_iter()
-        .max_by(|one, other| far_mm(one).total_cmp(&far_mm(other)))?;
-    let varied_mm: Vec<Vector> =
-        own_mm.iter().zip(&farthest).map(|(own, other)| own + (other - own) * OF_HALF_REVERSAL).collect();
-    (far_mm(&farthest) > NOISE_MM).then(|| base.with_zeros(&varied_mm, &relative))
+    [shortest_mm, 0.5 * (shortest_mm + longest_mm), longest_mm].map(with).into_iter().filter(differs).collect()
+}
+
+/// True if a touch of it has no stated length.
+fn has_open_length(datum: &Datum) -> bool {
+    datum.at.iter().any(|at| at.tool_length_mm.is_none())
 }
 
 /// The statement about a zero offset. If it says that the zero was touched and not with which tool, that is the first one with which the program cuts there.
@@ -258,8 +267,68 @@ pub(crate) fn of_run(
             length_unstated(chosen, model, (name, &datum, shift), (first_mm, tools_mm), tolerance_mm)
         });
         finding.into_iter().for_each(|finding| found.add(finding, &[]));
+        let finding = rotary_unstated(chosen, model, (name, &datum, shift), tolerance_mm);
+        finding.into_iter().for_each(|finding| found.add(finding, &[]));
     }
     reports
+}
+
+/// Angles of a rotary axis beside the assumed one at which a touch is tried, rad: a quarter to both sides, and the half turn.
+const OTHER_ANGLES_RAD: [f64; 3] = [FRAC_PI_2, -FRAC_PI_2, PI];
+
+/// A warning if a zero states where linear axes were at the touch and not where rotary axes were, and this matters by more than `tolerance_mm`.
+fn rotary_unstated(
+    chosen: &Machine,
+    model: &Model,
+    (name, datum, shift): (&String, &Datum, &AxisVector),
+    tolerance_mm: f64,
+) -> Option<Diagnostic> {
+    let machine = &chosen.machine;
+    let states = |axis: Axis| datum.at.iter().any(|at| at.stated.contains(axis));
+    if !datum.method().is_relative() || !AxisSet::XYZ.iter().any(states) {
+        return None;
+    }
+    let contained_mm = |turned: Option<(Axis, f64)>| {
+        let pose = |side: usize| {
+            let mut pose = datum.pose(side, shift, machine);
+            turned.into_iter().for_each(|(axis, rad)| pose.command[axis] += rad);
+            pose
+        };
+        model.displacement_at(&[0, 1, 2].map(pose))
+    };
+    let counted_mm = contained_mm(None);
+    let open: Vec<Axis> = machine.axis_set().iter().filter(|axis| axis.is_rotary() && !states(*axis)).collect();
+    let within = |axis: Axis, rad: f64| {
+        let end = shift[axis] + rad;
+        machine.axis(axis).and_then(|data| data.travel).is_none_or(|[low, high]| (low..=high).contains(&end))
+    };
+    let tried = open.iter().flat_map(|axis| OTHER_ANGLES_RAD.map(|rad| (*axis, rad)));
+    let changes =
+        tried.filter(|(axis, rad)| within(*axis, *rad)).map(|turned| (turned, contained_mm(Some(turned)) - counted_mm));
+    let ((axis, rad), change_mm) = changes.max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))?;
+    let parts = components_um([0, 1, 2].map(|side| um_from_mm(change_mm[side])));
+    if !(change_mm.norm() > tolerance_mm && change_mm.norm().is_finite()) || parts.is_empty() {
+        return None;
+    }
+    let shown = machine.shown_offset(name);
+    let listed = |value: &dyn Fn(Axis) -> String| open.iter().map(|axis| value(*axis)).collect::<Vec<_>>().join(", ");
+    // To the increment of a control, without zeros at the end.
+    let shown_deg = |rad: f64| format!("{}", (rad.to_degrees() * 1e4).round() / 1e4 + 0.0);
+    let degrees = |axis: Axis| shown_deg(shift[axis]);
+    let counted = listed(&|axis| format!("{axis} {}°", degrees(axis)));
+    let message = format!(
+        "{shown} counts as touched at {counted}, because the touch states no position of {}; if {axis} was at {}°, the zero is wrong by {}",
+        listed(&|axis| axis.to_string()),
+        shown_deg(shift[axis] + rad),
+        parts.join(", ")
+    );
+    let help = format!(
+        "state the positions of the rotary axes at the touch: {} in [{}.set_at], or {} in --zero",
+        listed(&|axis| format!("{axis}_deg = {}", degrees(axis))),
+        section(&shown),
+        listed(&|axis| format!("{axis}{}", degrees(axis)))
+    );
+    Some(Diagnostic::nowhere(Code::ZERO_TURNED, message, help))
 }
 
 /// Step of a rotary axis for the direction in which it turns the tool relative to the workpiece, rad.

@@ -22,7 +22,8 @@ use ncfix_metrology::results::readings::ShownReadings;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct DiagnosisOptions {
-    /// The text of the machine file. The causes found are added to it. A cause that it cannot express is not reported as correctable.
+    /// The text of the machine file. The result has a copy of it with the causes found. A cause that a machine file cannot hold is not reported as
+    /// correctable. `None`: no such copy is made.
     pub machine_text: Option<String>,
     /// Hypotheses to test in addition to the search, such as `EXX ~ Y^2` or `backlash EXX`; `docs/reference/terms.md`
     /// describes the grammar.

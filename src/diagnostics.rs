@@ -312,6 +312,13 @@ impl Diagnostics {
         self.warnings -= before - self.kept.len();
     }
 
+    /// Gives the diagnostics with a code the help of a command that has another way out.
+    pub(crate) fn advise(&mut self, code: Code, help: &str) {
+        for (diagnostic, _) in self.kept.iter_mut().filter(|(diagnostic, _)| diagnostic.code == code) {
+            diagnostic.help = help.to_owned();
+        }
+    }
+
     /// True if there is an error, so that no output is written.
     ///
     /// ```

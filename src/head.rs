@@ -132,6 +132,18 @@ impl Machine {
         Model::at(&self.machine, &self.errors, condition)
     }
 
+    /// The error model in a condition with all heads, and the zero offsets of `base`, which has all heads too.
+    pub(crate) fn model_now(&self, condition: &Condition, base: &Model) -> Model {
+        let of = |machine: &Machine, head: u16| machine.model_at(condition).with_zeros_of(base.for_head(head));
+        let first = of(self, 0);
+        if !self.machine.changes_heads() {
+            return first;
+        }
+        let others = (1..self.machine.heads.len()).filter_map(|index| u16::try_from(index).ok());
+        let others = others.map(|head| of(&self.with_head_alone(usize::from(head)), head));
+        first.with_heads(others.collect())
+    }
+
     /// Makes a model for each head.
     fn with_all_heads(&self, of: impl Fn(&Machine) -> Model) -> Model {
         let first = of(self);

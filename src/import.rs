@@ -77,7 +77,7 @@ impl InstrumentFile {
                 let before = if self.several { format!("{}: ", self.name) } else { String::new() };
                 match &mut outcome {
                     ImportOutcome::Readings(readings) => {
-                        if let Some(warning) = readings.warning() {
+                        for warning in [readings.warning(), readings.length_warning()].into_iter().flatten() {
                             findings.add(Diagnostic { message: before.clone() + &warning.message, ..warning }, &[]);
                         }
                     }

@@ -23,12 +23,8 @@ pub(crate) fn of_run(
     }
     let chosen = &*first.chosen;
     let Some(uncertainty) = &chosen.machine.uncertainty else { return Some(PredictionReport::of(None, Vec::new())) };
-    let mut varied = match others {
-        [] => {
-            let mut models = varied(chosen, uncertainty);
-            models.extend(datum::of_unknown_sides(chosen));
-            models
-        }
+    let varied = match others {
+        [] => of_causes(chosen, uncertainty),
         _ => {
             let mut by_head: Vec<Vec<Model>> = heads.iter().map(|one| varied(&one.chosen, uncertainty)).collect();
             // Each cause varies all heads; the parameters of a head alone would be a cause of their own.
@@ -48,13 +44,25 @@ pub(crate) fn of_run(
     };
     let unexplained_mm = mm_from_um(uncertainty.unexplained_um.unwrap_or(0.0));
     let mut found = path::predict(places, whole, model, &varied, unexplained_mm);
-    // The counted length may be the true one, or far from it: the interval contains both cases.
-    if let ([], Some(other)) = (others, datum::of_unknown_length(chosen)) {
-        varied.push(other);
-        let wide = path::predict(places, whole, model, &varied, unexplained_mm);
-        found = found.zip(wide).map(|(own, wide)| own.including(&wide));
+    // Nothing says how probable a length is: the interval contains those of all.
+    let lengths = if others.is_empty() { datum::of_other_lengths(chosen) } else { Vec::new() };
+    for other in lengths {
+        let (touched, causes) = (other.model(), of_causes(&other, uncertainty));
+        let wide = path::predict_from(places, whole, [model, &touched], &causes, unexplained_mm);
+        found = match (found, wide) {
+            (Some(own), Some(wide)) => Some(own.including(&wide)),
+            (own, None) => own,
+            (None, wide) => wide,
+        };
     }
     Some(PredictionReport::of(found.as_ref(), unknown_of(&chosen.errors, uncertainty)))
+}
+
+/// The models after one standard deviation of each cause, with that of a touch from an unknown side.
+fn of_causes(chosen: &Machine, uncertainty: &Uncertainty) -> Vec<Model> {
+    let mut models = varied(chosen, uncertainty);
+    models.extend(datum::of_unknown_sides(chosen));
+    models
 }
 
 /// The models after one standard deviation of each cause. Each touches its zero offsets anew.

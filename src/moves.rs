@@ -6,19 +6,17 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use crate::diagnostics::Diagnostics;
+use crate::disk::stated_machine::{MARK, from_head};
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::program::Program;
 use crate::run::{self, Running, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Vector};
 use ncfix_base::source::Span;
 use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{Element, Kind, TextReader, TextWriter};
-
-/// The first line of a flat stream.
-const HEAD: &str = "; snc 1";
+use ncfix_machine::snc::{self, Element, Kind, TextReader, TextWriter};
 
 /// The elements of a program in their order, from [`Program::moves`](crate::Program::moves): moves, dwells, tool and auxiliary words.
 ///
@@ -195,16 +193,35 @@ impl<'a> FlatText<'a> {
     }
 }
 
+/// The beginning of the head line of a flat stream.
+const HEAD: &str = "; snc 1";
+
 /// True if a program is already a flat stream.
 pub(crate) fn is_flat(program: &Program) -> bool {
-    program.bytes().starts_with(HEAD.as_bytes())
+    let rest = from_head(program.bytes()).strip_prefix(HEAD.as_bytes());
+    rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
 }
 
 /// Reads a flat stream in its text form and writes it again; `None` if there are errors.
 pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Diagnostics) -> Option<Vec<u8>> {
     let (source, machine) = (program.source(), &machine.machine);
     let text = String::from_utf8_lossy(source.bytes());
-    let mut reader = TextReader::new(&text);
+    if let Some(finding) = of_other_machine(program, &machine.name) {
+        found.add(finding, std::slice::from_ref(source));
+        return None;
+    }
+    let mut report = |line: usize, message: String| {
+        let start = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+        let place = Place { file: source.id(), span: Span::new(start, start + 1) };
+        let help = "correct the line, or print the stream again from its program";
+        found.add(Diagnostic::at(Code::UNEXPECTED, place, message, help), std::slice::from_ref(source));
+    };
+    for (line, words) in text.lines().enumerate() {
+        if let Some(message) = wrong_axes(words, machine.axis_set()) {
+            report(line + 1, message);
+        }
+    }
+    let mut reader = TextReader::new(text.strip_prefix(MARK).unwrap_or(&text));
     // Positions are those of the tip already, so there is no tool to add. Nothing refuses bytes in memory.
     let mut writer = TextWriter::new(Vec::new(), &machine.name, machine.axis_set(), |_, tool| *tool).ok()?;
     while let Some(item) = reader.next() {
@@ -213,13 +230,41 @@ pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Di
                 let lines = reader.call_lines().to_vec();
                 writer.write(&element, &lines).ok()?;
             }
-            Err(fault) => {
-                let start = text.split_inclusive('\n').take(fault.line - 1).map(str::len).sum();
-                let place = Place { file: source.id(), span: Span::new(start, start + 1) };
-                let help = "correct the line, or print the stream again from its program";
-                found.add(Diagnostic::at(Code::UNEXPECTED, place, fault.message, help), std::slice::from_ref(source));
-            }
+            Err(fault) => report(fault.line, fault.message),
         }
     }
     if found.has_errors() { None } else { writer.finish().ok() }
+}
+
+/// The refusal of a flat stream that is not one of this machine.
+fn of_other_machine(program: &Program, machine: &str) -> Option<Diagnostic> {
+    let bytes = program.bytes();
+    let start = bytes.len() - from_head(bytes).len();
+    let place = Place { file: program.source().id(), span: Span::new(start, start + HEAD.len()) };
+    let Some(stated) = snc::stated_machine(from_head(bytes)) else {
+        let message = "the head line of this flat stream names no machine, or another unit";
+        let help = format!("write it as ncfix snc does: ; snc 1 machine={machine} units=mm");
+        return Some(Diagnostic::at(Code::UNEXPECTED, place, message, help));
+    };
+    let message = format!(
+        "this flat stream is for the machine {stated}, and the machine file is that of {machine}: its positions hold for one machine only"
+    );
+    let help = format!("name the machine file of {stated} with --machine, or print the stream again from its program");
+    (stated != machine).then(|| Diagnostic::at(Code::STATED_MACHINE_MISSING, place, message, help))
+}
+
+/// The fault of a moving line that lacks an axis of the machine, or has another one.
+fn wrong_axes(line: &str, own: AxisSet) -> Option<String> {
+    let mut words = line.split(';').next()?.split_ascii_whitespace();
+    let is_move = matches!(words.next()?.as_bytes(), [b'G', b'0'..=b'3'] | [b'G', b'0'..=b'3', b'.', ..]);
+    let axes: AxisSet = words.filter_map(|word| Axis::from_letter(*word.as_bytes().first()?)).collect();
+    let names = |axes: AxisSet| axes.iter().map(|axis| axis.to_string()).collect::<Vec<_>>().join(", ");
+    let (other, lacking) = (axes.difference(own), own.difference(axes));
+    if !is_move || other.is_empty() && lacking.is_empty() {
+        return None;
+    }
+    if !other.is_empty() {
+        return Some(format!("the machine has no axis {}", names(other)));
+    }
+    Some(format!("the position of {} is missing: a move names every axis of the machine", names(lacking)))
 }

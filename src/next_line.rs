@@ -6,6 +6,21 @@ use crate::machine::Machine;
 use crate::square::FoundSquareness;
 use crate::stated_zero::StatedZero;
 
+/// After a correction without a review: the comparison would take several times as long as the correction.
+const NOT_COMPARED: &str = "verdict      none yet: the output was not compared with the program; do it now:\n";
+/// The same where no command can be given.
+const NOT_COMPARED_BY_NAME: &str =
+    "verdict      none yet: the output was not compared with the program; ncfix verify ORIGINAL CORRECTED does it\n";
+
+/// After a correction: the row with its test, and without a verdict the row that says that nothing has compared the output.
+pub(crate) fn after_correction(has_verdict: bool, test: String) -> String {
+    match (has_verdict, test.is_empty()) {
+        (true, _) => test,
+        (false, false) => NOT_COMPARED.to_owned() + &test,
+        (false, true) => NOT_COMPARED_BY_NAME.to_owned(),
+    }
+}
+
 /// A row with a command.
 fn row(words: &[String]) -> String {
     let quoted = |word: &String| if word.contains(' ') { format!("\"{word}\"") } else { word.clone() };
@@ -65,14 +80,14 @@ pub(crate) fn after_square(output: &Path, machine: &Machine, found: &FoundSquare
         .map_or(line.clone(), |largest| format!("{} --max-correction {largest}\n", line.trim_end()))
 }
 
-/// After a calibration whose residual is too large: the search for the errors that the model lacks.
-pub(crate) fn after_poor_fit(data: &[PathBuf], machine: &Path, calibrated: &Path) -> String {
-    if [machine, calibrated].contains(&Path::new("-")) {
+/// After a calibration whose residual is too large: the search for the errors that the calibrated file lacks.
+pub(crate) fn after_poor_fit(data: &[PathBuf], calibrated: &Path) -> String {
+    if calibrated == Path::new("-") {
         return String::new();
     }
     let mut all = vec!["diagnose".to_owned()];
     all.extend(data.iter().map(|path| path.display().to_string()));
-    all.extend(words("--machine {} -o {}", &[machine, &beside(calibrated, "extended")]));
+    all.extend(words("--machine {} -o {}", &[calibrated, &beside(calibrated, "extended")]));
     row(&all)
 }
 

@@ -112,8 +112,8 @@ pub enum Compensation {
     /// The path of the tool center is written: radius and wear at the control have no effect.
     #[default]
     Center,
-    /// The path of the tool center with G41 and G42 for wear: the control must have the radius 0 plus wear. It must be able to follow the wear
-    /// that is given, mm, to both sides.
+    /// The path of the tool center with G41 and G42 for wear: set the radius to 0 at the control and enter only the wear. The value is the
+    /// largest wear to either side that the control must be able to follow, mm.
     Wear(f64),
 }
 

@@ -227,14 +227,14 @@ fn last_unit(bytes: &[u8]) -> Option<bool> {
     found
 }
 
-/// Warnings of states that a program of RS274/NGC takes over from the control, and that neither it nor the startup code states: the unit of lengths, where
-/// a drilling cycle ends, and the positions of G28 and G30.
+/// Warnings of states that a program takes over from the control, and that neither it nor the startup code states: on a Fanuc the unit of lengths, in
+/// RS274/NGC also where a drilling cycle ends, and the positions of G28 and G30.
 pub(crate) fn assumed_start(
     source: &Source,
     dialect: &Dialect,
     machine: &ncfix_machine::machine::Machine,
 ) -> Vec<Diagnostic> {
-    if dialect.language != Language::Rs274 {
+    if !matches!(dialect.language, Language::Rs274 | Language::Fanuc) {
         return Vec::new();
     }
     let (mut has_unit, mut has_return, mut motion, mut cycle) = (false, false, None, None);
@@ -284,7 +284,9 @@ pub(crate) fn assumed_start(
         let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"{lacking}\" … in [system] of the machine file");
         Some(warn(at, &message, &help))
     });
-    unit.into_iter().chain(retraction).chain(home).collect()
+    // A Fanuc begins with G98, and its machine file states the reference position.
+    let only_rs274 = retraction.into_iter().chain(home).filter(|_| dialect.language == Language::Rs274);
+    unit.into_iter().chain(only_rs274).collect()
 }
 
 /// The axes that the block of a G28 or G30 at `at` moves: those that it names, or all.
@@ -390,7 +392,8 @@ impl<'a> Running<'a> {
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
         let turns = machine.axis_set().iter().any(|axis| axis.is_rotary());
-        let (extent, kinematics) = (PathExtent::default(), turns.then(|| Kinematics::new(machine)));
+        let changes_at_t = machine.control.tool_change == ncfix_machine::machine::ToolChange::T;
+        let (extent, kinematics) = (PathExtent::new(changes_at_t), turns.then(|| Kinematics::new(machine)));
         Running { execution, watch: None, loaded, length, moves: false, elements: 0, extent, machine, kinematics }
     }
 

@@ -20,7 +20,7 @@ use ncfix_metrology::measure::noise::Noise;
 use ncfix_model::Model;
 use ncfix_path::path::CorrectionOptions;
 use ncfix_path::servo::{CycleState, Run, Tally};
-use ncfix_report::number::grouped;
+use ncfix_report::number::{duration, grouped, micrometers};
 
 /// Largest number of rows of a trace: 3 GB of text, more than the recorder of any control keeps.
 const MOST_ROWS: u64 = 20_000_000;
@@ -91,6 +91,17 @@ impl Recorded {
     #[must_use]
     pub fn off_path_um(&self) -> [f64; 2] {
         [um_from_mm(self.tally.rms_mm()), um_from_mm(self.tally.max_mm)]
+    }
+
+    /// Summary of the record.
+    pub(crate) fn sentence(&self) -> String {
+        let [rms, max] = self.off_path_um().map(micrometers);
+        let place = self.worst.as_ref().map_or(String::new(), |place| format!(" at {place}"));
+        format!(
+            "{} rows of {} simulated, path deviation of the tool {rms} RMS, {max} maximum{place}",
+            grouped(self.rows),
+            duration(self.time_s)
+        )
     }
 }
 

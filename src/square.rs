@@ -11,10 +11,12 @@ use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_machine::machine::squareness::{SquarenessTerm, pair, squareness};
 use ncfix_machine::machine::uncertainty;
 use ncfix_metrology::diagnose::cause::own as own_error;
-use ncfix_metrology::measure::squareness::MeasuredSquareness;
+use ncfix_metrology::measure::squareness::{MeasuredSquareness, explained_urad};
 use ncfix_model::ParameterName;
 use ncfix_model::write::write;
 
+/// Smallest angle that other errors explain and that is stated, µrad.
+const LEAST_URAD: f64 = 0.05;
 /// Coverage factor of the stated interval, 95 %.
 const COVERAGE: f64 = 2.0;
 
@@ -23,7 +25,8 @@ const COVERAGE: f64 = 2.0;
 pub(crate) enum SquareReadings {
     /// The diagonals d1 and d2 of a part that the machine cut.
     Diagonals([f64; 2]),
-    /// Leg of a square, and the change of a dial gauge along it: + is pressed in, with the plunger in the positive direction of the other axis.
+    /// Leg of a square, and the change of a dial gauge along it in the positive direction: + is pressed in, with the plunger in the positive direction of the
+    /// other axis.
     Dial(f64, f64),
 }
 
@@ -104,13 +107,17 @@ const USUAL_MM: f64 = 0.2;
 
 impl FoundSquareness {
     /// The option for corrections as large as the found errors over the travel of the machine; `None` if the default allows them.
+    ///
+    /// Corrections of more than 5 mm are never proposed: they move the tool far from the programmed path, and a wrong number is more likely.
     pub(crate) fn max_correction(&self, chosen: &Machine) -> Option<String> {
+        const MOST_MM: f64 = 5.0;
         let travels = chosen.machine.axes.iter().flatten().filter(|data| !data.axis.is_rotary());
         let longest_mm = travels.filter_map(|data| data.travel).map(|[low, high]| high - low).fold(0.0, f64::max);
         let share = self.value_urad.abs() * 1e-6 + self.scales.iter().map(|one| one.value.abs()).sum::<f64>();
         let largest_mm = share * longest_mm;
         // A whole number that is easy to read, with room for the position in the travel.
-        (largest_mm > USUAL_MM).then(|| format!("{}mm", (1.5 * largest_mm).ceil()))
+        let proposed_mm = (1.5 * largest_mm).ceil();
+        (largest_mm > USUAL_MM && proposed_mm <= MOST_MM).then(|| format!("{proposed_mm}mm"))
     }
 }
 
@@ -158,6 +165,17 @@ pub(crate) fn find(
         // Writing into a String cannot fail.
         let _ = writeln!(page, "{name:<12}{text}");
     };
+    if let SquareReadings::Dial(leg, dial) = readings {
+        let change = if dial < 0.0 { "let out" } else { "pressed in" };
+        row(
+            "square",
+            format!(
+                "its corner is where the axis along the leg has its smallest position: on the way of {leg} mm in the positive direction, the plunger is {change} by \
+                 {:.3} mm. With the corner at the largest position, change the sign of --dial",
+                dial.abs()
+            ),
+        );
+    }
     let side = if gamma_urad < 0.0 { "−" } else { "+" };
     row(
         "angle",
@@ -170,7 +188,10 @@ pub(crate) fn find(
     // The term is that of the axis of its name; the model turns this one, and the other keeps its direction.
     let (turned, stays) =
         if term.name.ends_with(char::from(first.letter())) { (first, second) } else { (second, first) };
-    row("term", format!("{} = {value_urad:.1} µrad on {}: {turned} turns, {stays} stays", term.name, machine.topology));
+    row(
+        "term",
+        format!("{} = {value_urad:.1} µrad on {}: the model tilts {turned}, not {stays}", term.name, machine.topology),
+    );
     let [d1, d2] = measured.diagonals_mm(sides_mm);
     let [a, b] = sides_mm;
     let lean_mm = a.max(b) * measured.gamma_rad.abs();
@@ -253,7 +274,16 @@ impl FoundSquareness {
             )));
         }
         let old = edit.number("location", 0, name);
-        let value = self.value_urad + if adds { old.unwrap_or_default() } else { 0.0 };
+        let explained = if adds { 0.0 } else { explained_urad(&chosen.machine, errors, &self.term) };
+        if explained.abs() >= LEAST_URAD {
+            let _ = writeln!(
+                self.page,
+                "{:<12}other errors of the machine file, such as the mean slope of a straightness, explain {explained:.1} µrad of it: {name} = {:.1} µrad is written",
+                "written",
+                self.value_urad - explained
+            );
+        }
+        let value = self.value_urad - explained + if adds { old.unwrap_or_default() } else { 0.0 };
         // A tenth of a microradian is below any of these readings.
         let tenths = |value: f64| Given::Number((value * 10.0).round() / 10.0);
         for (section, value) in [("location", value), (uncertainty::SECTION, self.uncertainty_urad)] {
@@ -272,6 +302,7 @@ impl FoundSquareness {
             let verb = if adds { "added to" } else { "replaces" };
             let _ = writeln!(self.page, "{:<12}{verb} {name} = {old} of the machine file", "written");
         }
-        Ok(describe::measured(&edit.text(), name))
+        let scales = self.scales.iter().map(|one| one.parameter.to_string());
+        Ok(scales.chain([name.clone()]).fold(edit.text(), |text, name| describe::measured(&text, &name)))
     }
 }

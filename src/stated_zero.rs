@@ -182,6 +182,15 @@ pub(crate) fn state(zeros: &[StatedZero], chosen: &mut Machine) -> Result<(), Er
             let sign = f64::from(at.direction[axis.slot()]);
             // The tip touches along the spindle, the radius across it.
             let is_across = chosen.machine.spindle.axis[side].abs() < 0.5;
+            let has_both = |touch: StatedTouch| {
+                touch.radius_mm.is_some() && touch.stated.contains(axis) && touch.direction[axis.slot()] != 0
+            };
+            if is_across && touches().any(has_both) {
+                return Err(Error::usage(format!(
+                    "--zero {} gives the radius R and a position of {axis}: give one of them, because R takes the place of the position",
+                    zero.text()
+                )));
+            }
             if let Some(radius_mm) = zero.radius_mm(side).filter(|_| is_across && sign != 0.0)
                 && !at.stated.contains(axis)
             {
@@ -221,6 +230,15 @@ fn outside(data: &AxisData, value: f64) -> Option<[f64; 2]> {
     /// Rounding of a display, mm or rad.
     const ROOM: f64 = 1e-3;
     data.travel.filter(|[low, high]| !(low - ROOM..=high + ROOM).contains(&value))
+}
+
+/// Refuses stated zeros where they have no effect.
+///
+/// # Errors
+/// If there is one.
+pub(crate) fn refuse(zeros: &[StatedZero], why: &str) -> Result<(), Error> {
+    let Some(zero) = zeros.first() else { return Ok(()) };
+    Err(Error::usage(format!("--zero {} has no effect on this command: {why}; omit it", zero.text())))
 }
 
 #[cfg(test)]

@@ -449,7 +449,8 @@ fn a_dwell_is_awaited_while_grbl_says_that_it_is_idle() {
         bench.dialogue.hear(report, now, &mut bench.wire, &mut bench.events);
         assert!(!is_lost(&bench), "{after_s}: {:?}", bench.events);
     }
-    let now = bench.now() + Duration::from_secs(23);
+    // 20 s of the dwell and 2 s of patience after the first report that nothing is left to execute.
+    let now = bench.now() + Duration::from_secs(24);
     bench.dialogue.hear(report, now, &mut bench.wire, &mut bench.events);
     assert!(is_lost(&bench));
 }

@@ -244,3 +244,46 @@ fn a_term_that_the_machine_file_cannot_hold_has_its_own_code() {
     let [value, u95] = ["value", "u95"].map(|key| number(amount, key));
     assert!((value - 2.0).abs() < 1.5 * u95 && u95 < 0.6, "{amount}");
 }
+
+/// Eighty readings, rounded to 0.01 µm: no other measurement. Readings with a scatter of their own are one.
+#[test]
+fn a_rounded_copy_is_no_second_measurement() {
+    let shop = shop();
+    let table = shop.text("grid.csv");
+    let mut lines: Vec<&str> = table.lines().collect();
+    let head = lines.remove(0);
+    let rounded = |line: &&str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        for cell in cells.iter_mut().skip(7) {
+            *cell = format!("{:.2}", cell.parse::<f64>().unwrap());
+        }
+        cells.join(",")
+    };
+    let copy: Vec<String> = std::iter::once(head.to_owned()).chain(lines.iter().map(rounded)).collect();
+    let description = shop.text("grid.toml");
+    let shop = shop.file("copy.csv", copy.join("\n")).file("copy.toml", description);
+    for more in [vec!["copy.csv"], vec!["--hold-out", "copy.csv"]] {
+        shop.run(arguments("EXX1").into_iter().chain(more)).exits(4).says("error[E0605]");
+    }
+    shop.run(arguments("EXX1").into_iter().chain(["--hold-out", "second.csv"])).exits(0);
+}
+
+/// Two of three readings of a coarse display are the same number: the others are its steps, not outliers. The middle of the residuals is no spread here.
+#[test]
+fn steps_of_a_display_are_not_rejected() {
+    let steps = [0, 0, 1, 0, 0, -1];
+    let rows = (0..60).fold("X,Y,Z,component,value_um\n".to_owned(), |text, k| {
+        text + &format!("{},0,0,EYX,{}\n", 10 * k, steps[k as usize % steps.len()])
+    });
+    let shop = Shop::new()
+        .file("bench.toml", MACHINE)
+        .file("line.csv", rows)
+        .file("line.toml", "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nreference = \"square\"\n");
+    let words = ["calibrate", "line.csv", "--machine", "bench.toml", "--model", "EYX2", "-o", "out.toml", "--json"];
+    let report = shop.run(words).exits(0).json();
+    let rejected = report["weighted_down"].as_array().unwrap();
+    assert!(rejected.iter().all(|row| number(row, "weight") > 0.01), "{rejected:?}");
+    // At least the noise of a step of 1 µm: 1/√12 µm. The readings scatter by √(1/3) µm; robust weights count less of it.
+    let sigma = number(&report["data"][0], "sigma");
+    assert!((12.0_f64.sqrt().recip()..0.6).contains(&sigma), "{}", report["data"][0]);
+}

@@ -161,3 +161,34 @@ fn what_cannot_be_told_is_said_in_few_sentences() {
     );
     assert_eq!(found.confused[0].remedy, "measure further along X, or leave them out of the model");
 }
+
+/// Circles of a bar of unknown length on a machine with a swivel table that stands: the scale of Z is not separable from the length of the bar. No further angle
+/// of the table would change that.
+#[test]
+fn an_unknown_bar_and_not_a_standing_table_hides_a_scale() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wCAYFXZSt\"\n\
+        [axis.C]\ndirection = [0, 0, -1]\npoint_mm = [300, -198, -440]\nmodulo = true\n\
+        [axis.A]\ndirection = [-1, 0, 0]\npoint_mm = [300, -210, -480]\ntravel_deg = [-120, 30]\n\
+        [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-450, 50]\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 600]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-550, 0]\n";
+    let mut shop = crate::support::Shop::new().file("m.toml", machine);
+    for (name, plane) in [("xy", [0, 1]), ("yz", [1, 2]), ("zx", [2, 0])] {
+        let mut rows = "run,setup,X,Y,Z,tool_z_mm,dr_um\n".to_owned();
+        for k in 0..72 {
+            let angle = f64::from(5 * k).to_radians();
+            let mut at = [300.0, -200.0, -150.0];
+            at[plane[0]] += 100.0 * angle.cos();
+            at[plane[1]] += 100.0 * angle.sin();
+            let noise = if k % 3 == 0 { 0.2 } else { -0.1 };
+            rows += &format!("ccw,A,{:.6},{:.6},{:.6},-150,{noise}\n", at[0], at[1], at[2]);
+        }
+        let description = "[measurement]\nkind = \"ballbar\"\nfree = [\"centre\", \"length\"]\nsigma_um = 0.1\n[position]\nA_deg = 0\n\
+            C_deg = 0\n[setup.A]\ncentre_mm = [300, -200, -300]\nlength_mm = 100\n";
+        shop = shop.file(&format!("{name}.csv"), rows).file(&format!("{name}.toml"), description);
+    }
+    let run = shop.run("calibrate xy.csv yz.csv zx.csv --machine m.toml -o out.toml".split_whitespace()).exits(0);
+    let said: Vec<&str> = run.stderr.split("warning[").filter(|one| one.contains("EZZ1 is not separable")).collect();
+    assert!(said.len() == 1 && said[0].contains("give a calibrated length") && !said[0].contains("index"), "{said:?}");
+    // The model has no scale of Z, so nothing shows it.
+    assert!(shop.text("out.toml").contains("\"EZZ\""), "{}", shop.text("out.toml"));
+}

@@ -311,6 +311,15 @@ fn check_says_what_a_correction_refuses() {
     }
 }
 
+/// Blank lines before the `%` count: `G0 X1.` is line 4 of the file, `G1 X2.` line 5.
+#[test]
+fn lines_before_the_tape_count() {
+    let shop = Shop::new().file("part.nc", "\n%\nG21 G90 G17 G54 G94\nG0 X1. Y1. Z1.\nG1 X2. F100.\nM30\n%\n");
+    let run = shop.run(["snc", "part.nc"]).exits(0);
+    let line_of = |start: &str| run.stdout.lines().find(|line| line.starts_with(start)).unwrap_or_default().to_owned();
+    assert!(line_of("G0 ").ends_with(";@4") && line_of("G1 ").ends_with(";@5"), "{}", run.stdout);
+}
+
 /// A stream with a gap is another path: what stands before the error is printed, and nothing after it.
 #[test]
 fn a_stream_ends_before_the_first_error() {
@@ -318,4 +327,16 @@ fn a_stream_ends_before_the_first_error() {
     let shop = Shop::new().file("part.mpf", text);
     let run = shop.run(["snc", "part.mpf", "--machine", &machine("demo")]).exits(4);
     assert!(run.stdout.contains(";@2") && !run.stdout.contains(";@4") && !run.stdout.contains(";@5"), "{}", run.stdout);
+}
+
+/// An error of the machine file is not one of the program.
+#[test]
+fn an_error_of_the_machine_file_says_nothing_about_the_program() {
+    let wrong = std::fs::read_to_string(machine("demo")).unwrap().replace("topology = ", "topologie = ");
+    let shop = Shop::new().file("part.mpf", GOOD).file("mill.toml", wrong);
+    for further in [&[][..], &["--syntax-only"]] {
+        let run = shop.run(["check", "part.mpf", "--machine", "mill.toml"].iter().chain(further)).exits(4);
+        let run = run.says("part.mpf: not examined, because of an error in mill.toml");
+        assert!(!run.stderr.contains("understood"), "{}", run.stderr);
+    }
 }

@@ -71,6 +71,11 @@ fn words_find_questions_and_codes() {
 const GUARD_ALARM: &str =
     "The control stops with an alarm at the start, such as `G54 X CHANGED SINCE CORRECTION`: what now?";
 
+const TRANSFER: &str = "How do I transfer (send, copy, upload) the corrected program to the control?";
+
+const HEIGHT_MAP: &str =
+    "Is a warped workpiece, such as a PCB, corrected with a height map (auto level, bed leveling)?";
+
 /// The words of a person in a shop, and the text that must be among the first three answers.
 #[test]
 fn words_of_the_shop_find_the_answer() {
@@ -110,6 +115,28 @@ fn words_of_the_shop_find_the_answer() {
         ("R-test", "Can I use SAMBA, RUMBA or an R-test?"),
         ("unexplained", "Where are the residuals of single readings?"),
         ("router gantry crooked", "A hobby router out of square: corners, diagonals"),
+        ("transfer program to machine", TRANSFER),
+        ("send program USB", TRANSFER),
+        ("program with drilling cycles", "What happens to drilling cycles (G81, G83, CYCLE81, CYCLE83)?"),
+        ("height map", HEIGHT_MAP),
+        ("bed leveling", HEIGHT_MAP),
+        ("raise air cut Haas", "How do I raise a program for an air cut?"),
+        ("compare two measurements", "How do I compare two measurements of one machine, before and after?"),
+        ("granite square squareness", "How do I enter a squareness measured with a granite square?"),
+        ("thermal effects sensors model", "How are thermal effects modeled, and with which sensors?"),
+        (
+            "predict volumetric error interval work volume",
+            "How do I predict the volumetric error over the work volume, with an interval?",
+        ),
+        ("99 %", "What do the percentages of a diagnosis mean, such as 99 %?"),
+        ("correct a point", "How do I find the correction of one point (a position)?"),
+        ("units of the library", "What are units, frames and signs of the API (library)?"),
+        // Sections of pages.
+        ("what is not corrected", "What is not corrected"),
+        ("how does diagnosis decide", "How diagnosis decides"),
+        ("state hypothesis", "Terms of a hypothesis"),
+        ("MD32700", "Formats of compensation tables: `enc`: `$AA_ENC_COMP`"),
+        ("measure rotary axis", "Calibrate a five-axis machine by probing balls: Which instrument shows which error"),
     ] {
         let found = shop.run(["explain", words]).exits(0).stdout;
         // An answer is its title, and then lines that are indented.

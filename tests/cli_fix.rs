@@ -364,3 +364,17 @@ fn a_fault_of_syntax_does_not_hide_what_is_not_supported() {
         assert!(run.stderr.contains(place), "{}", run.stderr);
     }
 }
+
+/// Without a review nothing compares the output, and `fix` says so. A review whose verdict is bad has a status of its own.
+#[test]
+fn the_output_has_a_verdict_or_the_command_for_it() {
+    let demo = machine("demo");
+    let text = "G90 G71 G94\nG0 X50 Y50 Z100\nG1 X600 F500\nM30\n";
+    let shop = Shop::new().file("part.mpf", text);
+    let fix = ["part.mpf", "-o", "out.mpf", "--machine", &demo];
+    let plain = shop.run(fix).exits(0);
+    plain.says("verdict      none yet: the output was not compared").says("next         ncfix verify part.mpf out.mpf");
+    let reviewed = shop.run(fix.iter().chain(&["--review", "page.html"])).exits(0);
+    assert!(!reviewed.stderr.contains("none yet"), "{}", reviewed.stderr);
+    shop.run(["part.mpf", "--in-place", "--machine", &demo]).exits(0).says("ncfix verify ORIGINAL CORRECTED does it");
+}

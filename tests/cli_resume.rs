@@ -38,6 +38,71 @@ fn broken(control: Grbl, link: &str, after: usize) -> (Shop, Wired<Grbl>, serde_
     (shop, bench, plan)
 }
 
+/// A job whose cable is drawn after a number of lines.
+fn drawn(shop: &Shop, arguments: &[&str], after: usize) {
+    let bench = Wired::at_network(grbl(0.004));
+    let mut child = start(shop, &[arguments, &["--port", &bench.name]].concat());
+    bench.wait_for(after);
+    drop(bench);
+    assert_eq!(child.wait().unwrap().code(), Some(5), "{}", shop.text("stderr"));
+}
+
+/// A job breaks off twice. The second part has executed nothing for certain, and what the first one has executed is not machined again.
+#[test]
+fn a_job_that_breaks_off_twice_keeps_what_its_first_part_has_executed() {
+    let shop = Shop::new().file("part.ngc", passes(20));
+    let mill = machine("knee_mill");
+    let plan = |shop: &Shop| -> serde_json::Value {
+        let run = shop.run(["resume", "part.ngc.journal", "--json", "--clearance", CLEARANCE]).exits(0);
+        serde_json::from_str(&run.stdout).unwrap()
+    };
+    let resume = ["resume", "part.ngc.journal", "--clearance", CLEARANCE, "--confirm"];
+    drawn(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl"], 160);
+    let first = plan(&shop);
+    assert!(first["executed"].as_u64().unwrap() > 60 && first["source_line"].as_u64().unwrap() > 60, "{first}");
+    drawn(&shop, &[&resume[..], &[first["plan"].as_str().unwrap()]].concat(), 12);
+    let second = plan(&shop);
+    assert_eq!((&second["source_line"], &second["before"]), (&first["source_line"], &first["before"]), "{second}");
+    assert!(second["executed_line"].as_u64() >= first["executed_line"].as_u64(), "{second}");
+    let text = shop.run(["resume", "part.ngc.journal", "--clearance", CLEARANCE]).exits(0).stdout;
+    assert!(text.contains("for certain, in an earlier part of the job"), "{text}");
+    let bench = Wired::at_line(grbl(0.0005));
+    let last = [&resume[..], &[second["plan"].as_str().unwrap(), "--port", &bench.name]].concat();
+    shop.run(last).exits(0);
+    let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
+    let rest = bench.executed().split_off(second["before"].as_array().unwrap().len());
+    assert!(planned.ends_with(&rest) && rest.len() < planned.len() - 60, "{rest:?}");
+}
+
+/// Such a link needs a person who looked, so the printed command says so.
+#[test]
+fn the_command_of_a_plan_can_be_carried_out_as_it_stands() {
+    let shop = cut_off(&passes(4), 45);
+    let command = |shop: &Shop| {
+        let run = shop.run(["resume", "part.ngc.journal", "--clearance", CLEARANCE]).exits(0);
+        run.stdout.lines().last().unwrap().to_owned()
+    };
+    assert!(!command(&shop).contains("--i-checked"), "{}", command(&shop));
+    let link = std::fs::read_to_string(repository("crates/dnc/links/haas.toml")).unwrap();
+    let any: Vec<&str> = link.lines().filter(|line| !line.starts_with("dialects")).collect();
+    let shop = Shop::new().file("part.ngc", passes(4)).file("any.toml", any.join("\n"));
+    let server = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = format!("tcp:{}", server.local_addr().unwrap());
+    // It takes a few lines, and the cable is drawn.
+    let reader = std::thread::spawn(move || {
+        use std::io::{Read as _, Write as _};
+        let (mut stream, _) = server.accept().unwrap();
+        stream.write_all(&[0x11]).unwrap();
+        stream.read_exact(&mut [0; 60]).unwrap();
+    });
+    let mill = machine("knee_mill");
+    let arguments =
+        ["feed", "part.ngc", "--machine", &mill, "--link", "any.toml", "--port", &port, "--allow-starvation"];
+    shop.run([&arguments[..], &["--i-checked-the-machine-stands-still"]].concat()).exits(5);
+    reader.join().unwrap();
+    assert!(command(&shop).ends_with(" --clearance 60mm --i-checked-the-machine-stands-still"), "{}", command(&shop));
+}
+
 /// Lines of the program before the place at which a plan begins again.
 fn left_out(shop: &Shop, plan: &serde_json::Value) -> usize {
     let mill = machine("knee_mill");
@@ -56,8 +121,8 @@ fn no_block_of_a_deep_planner_is_skipped() {
         let (shop, bench, plan) = broken(grbl(0.005).of_a_hundred_blocks(), "grblhal", after);
         let executed = bench.executed().len();
         let [sure, acknowledged] = ["executed", "acknowledged"].map(|key| plan[key].as_u64().unwrap() as usize);
-        // It had acknowledged far more than it carried out.
-        assert!(acknowledged >= executed + 90, "{acknowledged} {executed}");
+        // The stops after rapid moves keep both near; what was acknowledged since the last one is not sure.
+        assert!(acknowledged >= sure, "{acknowledged} {sure}");
         assert!(sure <= executed, "{after}: {sure} for sure, {executed} carried out");
         assert!(left_out(&shop, &plan) <= executed, "{after}: blocks are skipped");
         assert_eq!(plan["holds"], 116);

@@ -76,3 +76,25 @@ fn the_first_arc_begins_at_the_given_start() {
     let run = shop.run(["snc", "arc.ngc", "--machine", &machine("knee_mill"), "--start", "X0,Y10,Z5,A0"]).exits(0);
     assert!(run.stdout.contains("G2 X20 Y10 Z5 A0 I10 J0"), "{}", run.stdout);
 }
+
+/// A flat stream names every axis in each move, and belongs to one machine.
+#[test]
+fn a_flat_stream_that_is_not_whole_is_refused() {
+    let demo = machine("demo");
+    let head = "; snc 1 machine=demo units=mm\n";
+    let whole = format!("{head}G0 X1 Y2 Z3 ;@1\nG1 X4 Y2 Z3 F500 ;@2\n");
+    let read = |text: &str| Shop::new().file("flat.snc", text).run(["snc", "flat.snc", "--machine", &demo]);
+    // Blank lines and a byte order mark before the head change nothing.
+    for before in ["", "\n", " \n\r\n", "\u{feff}"] {
+        assert_eq!(read(&format!("{before}{whole}")).exits(0).stdout, whole, "{before:?}");
+    }
+    let first = read(&format!("{head}G0 X1 Y2 ;@1\nG1 X4 Y2 Z3 F500 ;@2\n")).exits(3);
+    first.says("the position of Z is missing").says("flat.snc:2:1");
+    let later = read(&format!("{head}G0 X1 Y2 Z3 ;@1\nG1 X4 Z3 F500 ;@2\n")).exits(3);
+    later.says("the position of Y is missing").says("flat.snc:3:1");
+    read(&format!("{head}G0 X1 Y2 Z3 A0 ;@1\n")).exits(3).says("the machine has no axis A");
+    let other = read(&whole.replace("machine=demo", "machine=mill")).exits(4);
+    assert_eq!(other.stdout, "");
+    other.says("error[E0323]").says("is for the machine mill");
+    read("; snc 1\nG0 X1 Y2 Z3\n").exits(3).says("names no machine");
+}

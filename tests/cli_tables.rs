@@ -286,4 +286,38 @@ fn axes_have_the_numbers_of_the_control() {
     // X over Y: AX1 over what comes behind X A Z.
     let text = shop.text("CEC.INI");
     assert!(text.contains("$AN_CEC_INPUT_AXIS[1]=(AX4)\n$AN_CEC_OUTPUT_AXIS[1]=(AX1)"), "{text}");
+    // An axis that ncfix does not know has a number, too.
+    let order = MILL.replace("controller", "axis_order = [\"-\", \"X\", \"-\", \"Y\", \"Z\"]\ncontroller");
+    let shop = Shop::new().file("mill.toml", format!("{order}{ERRORS}"));
+    shop.run(make(&[])).exits(0);
+    let text = shop.text("CEC.INI");
+    assert!(text.contains("$AN_CEC_INPUT_AXIS[1]=(AX4)\n$AN_CEC_OUTPUT_AXIS[1]=(AX2)"), "{text}");
+    assert!(text.contains("; axes: X AX2, Y AX4\n"), "{text}");
+}
+
+/// With a rotary axis, a number that nobody stated is named; with names it is not.
+#[test]
+fn assumed_numbers_of_axes_are_named() {
+    let turned = MILL.replace("wFXYZSt", "wCFXYZSt");
+    let axis = "[axis.C]\ndirection = [0, 0, 1]\ntravel_deg = [-90, 90]\n[location]\nEC0Y = 100\n\
+        [[motion]]\ncomponent = \"ECC\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n";
+    let shop = Shop::new().file("mill.toml", format!("{turned}{axis}"));
+    shop.run(make(&[])).exits(0).says("warning[W0903]").says("C AX4");
+    assert!(shop.text("CEC.INI").contains("; axes (assumed): "), "{}", shop.text("CEC.INI"));
+    let named = shop.run(make(&["--axis-name", "C=AX5"])).exits(0);
+    assert!(!named.stderr.contains("W0903"), "{}", named.stderr);
+}
+
+/// A zero that was touched before the tables were active does not fit to them: 100 µrad of Y move X by 20 µm in the mean of 400 mm of Y, and
+/// the scale of 40 µm/m by 10 µm in the mean of 500 mm of X.
+#[test]
+fn a_shift_of_all_positions_is_in_the_header() {
+    let shop = shop();
+    shop.run(make(&[])).exits(0);
+    let text = shop.text("CEC.INI");
+    let line =
+        text.lines().find(|line| line.contains("touch off every zero again")).unwrap_or_else(|| panic!("{text}"));
+    let x: f64 = line.split(" X ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    // The error before is −EC0Y·Y + EXX1·X = −20 + 10 µm in the mean; the tables take it away.
+    assert!((x - 10.0).abs() < 1.5, "{line}");
 }

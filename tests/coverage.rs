@@ -414,6 +414,73 @@ fn rotary_axes_that_nothing_positions_are_named() {
     assert!(!fix(&self::shop(MEASURED, &stated), "").stderr.contains("W0324"));
 }
 
+/// A reference point, a program of the control or a tool change may have turned the table after its last motion. The correction still is that of the last
+/// programmed angles, here C 90.
+#[test]
+fn rotary_axes_that_something_else_has_moved_are_named_with_their_assumed_place() {
+    let own = format!("{MEASURED}[[opaque]]\nname = \"L6\"\n");
+    let begin = "G90 G71 G0 X100 Y50 Z100 A0 C90\nG1 X120 F500\nG0 Z700\n";
+    let end = "G0 X100 Y50 Z100\nG1 X120 F500\nG0 Z700\nM30\n";
+    for (block, names, places) in [("G74 C1=0", "C", "C 90°"), ("L6", "A and C", "A 0° and C 90°")] {
+        let text = format!("{begin}{block}\n{end}");
+        let shop = shop(&own, &text);
+        let message = format!(
+            "warning[W0324]: the tool cuts here, and the position of {names} is no longer known; the correction is for {places}\n --> part.mpf:6:1"
+        );
+        fix(&shop, "--review r.html").exits(0).says(&message).says("verdict      check it before it runs");
+        fix(&shop, "--require-coverage").says("error[E0322]").says("part.mpf:6:1");
+        // The advice is followed.
+        let stated = format!("{begin}{block}\nG0 A0 C90\n{end}");
+        let run = fix(&self::shop(&own, &stated), "").exits(0);
+        assert!(!run.stderr.contains("W0324"), "{}", run.stderr);
+    }
+    // start_deg says nothing about a reference point.
+    let five = FIVE_AXES.replace("[axis.A]", "[axis.A]\nstart_deg = 0").replace("[axis.C]", "[axis.C]\nstart_deg = 30");
+    for (block, is_named) in [("G74 C1=0\n", true), ("", false)] {
+        let text = format!("G90 G71 G0 X100 Y50 Z100\nG0 Z700\n{block}{end}");
+        let shop = Shop::new().file("five.toml", format!("{five}{MEASURED}")).file("part.mpf", text);
+        let run = fix(&shop, "").exits(0);
+        assert_eq!(run.stderr.contains("the position of C is no longer known"), is_named, "{}", run.stderr);
+    }
+}
+
+/// Other languages: a MillPlus loses the axes of G74; G28 of a Fanuc and of LinuxCNC leads to a position that is known.
+#[test]
+fn only_a_reference_point_that_nothing_states_leaves_rotary_axes_unknown() {
+    let cut = "G0 X100. Y50. Z100.\nG1 X120. F500\nG0 Z600.\n";
+    for (controller, name, program, is_named) in [
+        ("grundig", "part.pm", format!("%PM1\nN1 G17 G71 G90\nN2 G0 A10 C-90\n{cut}G74 A1=1\n{cut}M30\n"), true),
+        (
+            "fanuc",
+            "part.nc",
+            format!("%\nO1\nG21 G17 G90 G94\nG0 A10. C-90.\n{cut}G91 G28 A0.\nG90\n{cut}M30\n%\n"),
+            false,
+        ),
+        ("rs274", "part.ngc", format!("G21 G17 G90 G94\nG0 A10 C-90\n{cut}G28 A10\n{cut}M2\n"), false),
+    ] {
+        let machine = FIVE_AXES.replace("[control]\ninitial_zero_offset = \"G500\"\n", "");
+        let machine = machine.replace("modulo = true", "travel_deg = [-360, 360]");
+        let machine = machine.replace("name = \"five\"", &format!("name = \"five\"\ncontroller = \"{controller}\""));
+        let zero = "[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nset = \"absolute\"\n";
+        let mut number = 10;
+        let program: String = program
+            .lines()
+            .map(|line| {
+                number += 1;
+                let needs_number = controller == "grundig" && !line.starts_with(['N', '%']);
+                if needs_number { format!("N{number} {line}\n") } else { format!("{line}\n") }
+            })
+            .collect();
+        let shop = Shop::new().file("five.toml", format!("{machine}{MEASURED}{zero}")).file(name, program);
+        let out = format!("out_{name}");
+        let words = [name, "-o", &out, "--machine", "five.toml", "--max-correction", "2mm", "--rotary", "hold"];
+        let run = shop.run(words).exits(0);
+        let message = "the position of A is no longer known; the correction is for A 10°";
+        assert_eq!(run.stderr.contains(message), is_named, "{controller}\n{}", run.stderr);
+        assert_eq!(run.stderr.contains("W0324"), is_named, "{controller}\n{}", run.stderr);
+    }
+}
+
 /// The machine file states where the rotary axes are at the beginning of every program.
 #[test]
 fn a_position_at_the_beginning_counts_as_programmed() {

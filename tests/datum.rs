@@ -490,7 +490,12 @@ fn sides_and_radius_of_a_touch_are_stated_on_the_command_line() {
         near(last(&shop, 'X', &["--max-correction", "1mm", "--zero", zero]), wanted);
     }
     let run = ["in.mpf", "-o", "x.mpf", "--machine", "m.toml", "--zero"];
-    for (zero, says) in [("G54=touched@R5", "without the side"), ("G54=touched@W:X1", "states no zero")] {
+    for (zero, says) in [
+        ("G54=touched@R5", "without the side"),
+        ("G54=touched@W:X1", "states no zero"),
+        ("G54=touched@X100+,R5", "give one of them"),
+        ("G54=touched@X100,R5,X+", "give one of them"),
+    ] {
         shop.run(run.iter().chain([&zero])).exits(2).says(says);
     }
 }
@@ -550,5 +555,23 @@ fn the_zero_of_a_rotary_table_is_a_true_angle() {
             let text = run(c, zero).stderr;
             assert!(!text.contains("true angle"), "{c} {zero}: {text}");
         }
+    }
+}
+
+/// The axis of C stands 50 µm off in X. A workpiece that was touched at C 180 has this error with the other sign: 100 µm away from one that was touched at C 0.
+#[test]
+fn a_touch_without_angles_is_named() {
+    let table = "[machine]\nname = \"m\"\ntopology = \"wCFXYZt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-10, 900]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-10, 900]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n[axis.C]\ndirection = [0, 0, 1]\nmodulo = true\n\
+        [location]\nEX0C = 50.0\n";
+    let text = "N10 G17 G90 G71 G94 G54\nN20 G0 X10 Y10 Z50 C0\nN30 G1 Z5 F500\nN40 X100\nN50 M30\n";
+    let shop = shop(&format!("{table}{G54}"), text);
+    let fix = |zero: &str| shop.run(["fix", "in.mpf", "-o", "out.mpf", "--machine", "m.toml", "--zero", zero]).exits(0);
+    let run = fix("G54=touched@X100,Y0,Z0,L0");
+    let run = run.says("warning[W0335]: G54 counts as touched at C 0°").says("if C was at 180°").says("--zero");
+    assert!(run.stderr.contains("wrong by X 100 µm") || run.stderr.contains("wrong by X -100 µm"), "{}", run.stderr);
+    for zero in ["G54=touched@X100,Y0,Z0,C0,L0", "G54=touched@L0", "G54=absolute"] {
+        assert!(!fix(zero).stderr.contains("W0335"), "{zero}: {}", fix(zero).stderr);
     }
 }

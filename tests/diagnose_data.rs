@@ -338,3 +338,24 @@ fn a_few_readings_do_not_say_that_a_model_has_expired() {
     let [before, without] = ["before", "without_model"].map(|key| report[key]["rms_um"].as_f64().unwrap());
     assert!(before > without && report["expired"] == false, "{report:#}");
 }
+
+/// One reading a minute beside a spindle that turns at four speeds. A display with steps of 1 µm shows two of three readings of X and Y as 0, and the growth
+/// of 12 µm of Z in whole numbers. None of them is an outlier.
+#[test]
+fn a_coarse_display_has_no_outliers_and_shows_the_growth() {
+    let mut table = "t_s,spindle_rpm,dx_um,dy_um,dz_um\n".to_owned();
+    let speeds = [0.0, 12_000.0, 3_000.0, 9_000.0, 12_000.0, 0.0, 9_000.0, 3_000.0];
+    let mut random = Random::new(12, "display");
+    for minute in 0..480_u32 {
+        let rpm = speeds[minute as usize / 60];
+        let growth = -12.0 * (rpm / 12_000.0_f64).powi(2);
+        let [x, y, z] = [0.0, 0.0, growth].map(|um| (um + 0.5 * random.normal()).round());
+        table.push_str(&format!("{},{rpm},{x},{y},{z}\n", 60 * minute));
+    }
+    let shop = Shop::new().file("m.toml", MACHINE).file("log.csv", table).file("log.toml", PLACE);
+    let report: Value = shop.run(["diagnose", "log.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+    let faults = report["data_faults"].as_array().unwrap();
+    assert!(faults.iter().all(|one| one["kind"] != "outlier"), "{faults:?}");
+    let all = report["findings"].as_array().unwrap();
+    assert!(all.iter().any(|one| one["effect"] == "spindle-speed" && one["parameter"] == "Z"), "{report:#}");
+}

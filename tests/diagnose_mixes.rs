@@ -212,3 +212,11 @@ fn a_machine_that_changed_between_two_files_is_corrected_as_it_is_now() {
     let value: f64 = line.split('=').nth(1).unwrap().split('#').next().unwrap().trim().parse().unwrap();
     assert!((value + 40.0).abs() < 2.0, "{line}");
 }
+
+#[test]
+fn a_faultless_machine_on_a_ball_bar_has_no_certain_cause() {
+    for seed in 101..=103 {
+        let (_, report) = diagnosed(&[("d", Plant::default().measured(seed))], DESCRIPTION);
+        assert!(findings(&report).iter().all(|one| one["certain"] == false), "{seed}: {report:#}");
+    }
+}

@@ -412,6 +412,8 @@ fn readers(name: &str, reserve: usize, seeds: std::ops::Range<u64>) -> usize {
         let is_told = match &ended {
             Ended::Done => true,
             Ended::Lost(why) if why.contains("as requested") => progress.stalls >= 3,
+            // The first XON got lost, and nothing was sent.
+            Ended::Stopped => left == 0 && progress.stalls >= 3,
             Ended::Lost(why) if why.contains("has no meaning on this link") => is_garbled,
             // An XOFF got lost, and nothing went over.
             Ended::Lost(why) if why.contains("although it receives them") => is_lost || is_garbled,

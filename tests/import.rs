@@ -216,6 +216,52 @@ fn the_components_that_a_question_names_belong_to_the_axis() {
     }
 }
 
+/// A line before the table names the component, with no word for a straightness.
+#[test]
+fn a_stated_component_is_used_or_refused() {
+    let table = "Target [mm];1+ [µm];1- [µm];2+ [µm];2- [µm]\n0;0;1;0;1\n100;1;2;1;2\n200;3;3;3;4\n300;4;5;4;5\n";
+    let file = |line: &str| shop().file("line.csv", format!("Axis;X\n{line}\n{table}"));
+    let options = ["--at", "Y0,Z0", "--sign", "+", "--tool", "0", "--material", "20C"];
+    for (line, component) in
+        [("Component;EYX", "EYX"), ("Error: EZX", "EZX"), ("Measured error;EYX", "EYX"), ("Component;EXX", "EXX")]
+    {
+        // A straightness does not depend on the temperature of the scale.
+        let used = if component == "EXX" { &options[..] } else { &options[..6] };
+        let shop = file(line);
+        import(&shop, "line.csv", "tool.toml", used).exits(0);
+        assert!(shop.text("out.csv").contains(&format!(",{component},")), "{line}: {}", shop.text("out.csv"));
+        assert!(shop.text("out.toml").contains(&format!("(line 2: {line})")), "{}", shop.text("out.toml"));
+    }
+    // An angle has another unit than the table.
+    import(&file("Component;EBX"), "line.csv", "tool.toml", &options).exits(4);
+    let other = [&options[..6], &["--component", "EZX"]].concat();
+    import(&file("Component;EYX"), "line.csv", "tool.toml", &other).exits(4).says("E0618").says("which names EYX");
+    import(&file("Component;EXY"), "line.csv", "tool.toml", &options[..6]).exits(4).says("names another axis");
+    let both = file("Component;EXX\nMeasurement;Straightness");
+    import(&both, "line.csv", "tool.toml", &options).exits(4).says("E0618").says("the file names EXX");
+    // A component that is only mentioned is asked for, before anything that depends on it.
+    let run =
+        import(&file("Optics for EYX"), "line.csv", "tool.toml", &["--at", "Y0,Z0"]).exits(4).says("give --component");
+    assert!(!run.stderr.contains("--sign") && !run.stderr.contains("--material"), "{}", run.stderr);
+}
+
+/// A line with the temperature of the bar does not say whether the software used it. The option --at is given once.
+#[test]
+fn the_questions_of_a_ball_bar_quote_the_file_and_give_the_whole_option() {
+    let mut text =
+        "Ball-bar temperature (C),21.5\nplane,XY\nradius_mm,150\nrun,direction,angle_deg,dev_um\n".to_owned();
+    for k in 0..72 {
+        let _ = writeln!(text, "1,ccw,{},{:.2}", 5 * k, 3.0 * f64::from(10 * k).to_radians().sin());
+    }
+    let shop = shop().file("bar.csv", text);
+    let ask = |more: &[&str]| import(&shop, "bar.csv", "tool.toml", more).exits(4);
+    let said = ask(&["--tool", "0", "--at", "X300,Y200,Z100", "--length", "calibrated"]);
+    let said = said.says("line 1 of the file states 21.5 °C").says("Ball-bar temperature (C),21.5");
+    assert!(said.stderr.contains("such as 11.5@21.5"), "{}", said.stderr);
+    // The centre in Z is missing: the example has X and Y too.
+    ask(&["--tool", "0", "--at", "X300,Y200"]).says("such as Z0,X300,Y200");
+}
+
 #[test]
 fn a_rotary_calibrator_is_read_in_degrees_and_arc_seconds() {
     let machine = TOOL_SIDE

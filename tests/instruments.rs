@@ -258,7 +258,10 @@ fn a_drift_is_only_taken_out_where_there_is_no_reversal() {
     assert!((value("EXX2") - 40.0).abs() < 2.0, "{report}");
     assert!((value("drift of EXX in cycle 2") - 21.0).abs() < 0.5, "{report}");
     let backlash = format!("{MACHINE}[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 6.0\n");
-    shop.file("start.toml", backlash).run(with("without.txt")).exits(4).says("E0613").says("EXX");
+    let shop = shop.file("start.toml", backlash);
+    shop.run(with("without.txt")).exits(4).says("E0613").says("EXX");
+    // A diagnosis cannot separate them either.
+    shop.run(["diagnose", "line.csv", "--machine", "start.toml"]).exits(4).says("E0613").says("backlash in EXX");
 }
 
 #[test]

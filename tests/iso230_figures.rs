@@ -181,7 +181,7 @@ fn kinds_without_figures_say_so_and_calibrations_have_them_beside() {
         .file("m.toml", MACHINE)
         .file("a.csv", "X,Y,Z,dx_um\n0,0,0,1\n1,0,0,1\n")
         .file("a.toml", "[measurement]\nkind = \"displacement\"\n");
-    shop.run(["iso230", "a.csv", "--machine", "m.toml"]).exits(4).says("has no figures of ISO 230");
+    shop.run(["iso230", "a.csv", "--machine", "m.toml"]).exits(4).says("no figures of ISO 230");
     let mut csv = BAR_COLUMNS.to_owned();
     circle(&mut csv, "1", 100.0, 1.0, |t| [-4e-3 * t.sin(), 0.0]);
     circle(&mut csv, "2", 100.0, -1.0, |t| [-4e-3 * t.sin(), 0.0]);
@@ -189,7 +189,12 @@ fn kinds_without_figures_say_so_and_calibrations_have_them_beside() {
     let shop = shop.file("b.csv", csv).file("b.toml", toml).file("model.txt", "EC0Y\n");
     // Beside others it is named, and they are printed.
     let beside = shop.run(["iso230", "a.csv", "b.csv", "--machine", "m.toml"]).exits(0);
-    assert!(beside.stdout.contains("G(") && beside.stdout.contains("a: ISO 230 has none"), "{}", beside.stdout);
+    assert!(
+        beside.stdout.contains("G(")
+            && beside.stdout.contains("no figures   a: ncfix calculates none for its kind, displacement"),
+        "{}",
+        beside.stdout
+    );
     let run = ["calibrate", "b.csv", "--machine", "m.toml", "--model", "model.txt", "-o", "out.toml", "--json"];
     let report = shop.run(run).exits(0).json();
     near(value(&report["figures"][0]["figures"][0], "G(b)"), 4.0, 0.03);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, Point3, Rotation3, Translation3, Unit, Vector3};
 
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix_machine::describe::{StatedPivot, StatedSense, TEMPLATES, Template};
+use ncfix_machine::describe::{self, StatedPivot, StatedSense, TEMPLATES, Template};
 
 use crate::machine_file::load;
 use crate::support::Shop;
@@ -322,11 +322,31 @@ fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {
         "max_feed_deg_min = 9000",
         "MD32100 of X is -1",
         "increments_per_mm = 1000",
+        "axis_order = [\"X\", \"Y\", \"Z\", \"A\", \"C\"]",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!text.contains("not closed"), "{text}");
     shop.run(["machine", "check", "m.toml"]).exits(0).says("no errors or warnings");
+    // A spindle has the number 4, so A is AX5 and C is AX6.
+    let spindle = TRAORI
+        .replace("TAB[3]=\"A1\"", "TAB[3]=\"SP\"\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[5]=\"C1\"")
+        .replace("TAB[4]=\"C1\"", "TAB[4]=\"A1\"")
+        .replace("[AX5]", "[AX6]")
+        .replace("[AX4]", "[AX5]");
+    let later = Shop::new().file("md.ini", spindle);
+    later.run(["machine", "new", "m.toml", "--like", "trunnion-ac", "--from", "md.ini"]).exits(0);
+    let named = later.text("m.toml");
+    assert!(named.contains("axis_order = [\"X\", \"Y\", \"Z\", \"-\", \"A\", \"C\"]"), "{named}");
+    assert!(named.contains("travel_deg = [-120, 30]"), "{named}");
+    std::fs::write(later.path("e.toml"), format!("{named}\n[location]\nEC0Y = 100\nEA0C = 50\n")).unwrap();
+    let tables =
+        ["tables", "--machine", "e.toml", "--format", "cec", "--scheme", "fik", "--tool", "100", "-o", "T.INI"];
+    let made = later.run(tables).exits(0);
+    assert!(!made.stderr.contains("W0903"), "{}", made.stderr);
+    let written = later.text("T.INI");
+    assert!(written.contains("OUTPUT_AXIS") && !written.contains("(AX4)"), "{written}");
+    assert!(written.contains("A AX5") && written.contains("(AX5)"), "{written}");
     // The data state two axes in the table.
     shop.run(["machine", "new", "h.toml", "--like", "head-ac", "--from", "md.ini"])
         .exits(2)
@@ -394,6 +414,9 @@ fn data_of_the_control_that_contradict_the_machine_file_are_named() {
         .says("the axis of C");
     assert_eq!(run.stderr.matches("0.500 mm away").count(), 2, "{}", run.stderr);
     assert_eq!(show("turned.ini").says("A turns about (1, 0, 0)").stderr.matches("W0407").count(), 1);
+    // A part offset of 340 instead of 440 leaves 100 mm open: the zero offsets of the control lack them under TRAORI.
+    std::fs::write(shop.path("open.ini"), same.replace("PART_OFFSET_1[2]=440", "PART_OFFSET_1[2]=340")).unwrap();
+    show("open.ini").says("warning[W0407]").says("TRAORI shifts the zero of the workpiece by (0, 0, -100) mm");
 }
 
 #[test]
@@ -435,4 +458,37 @@ fn a_machine_is_described_measured_and_corrected_by_commands_alone() {
     shop.run(["p.ngc", "-o", "out.ngc", "--machine", "c.toml"]).exits(0);
     let run = shop.run(["verify", "p.ngc", "out.ngc", "--machine", "c.toml"]).exits(0);
     assert!(run.stdout.contains("error after"), "{}", run.stdout);
+}
+
+/// A measured error leaves the lists of what was not, and its measurement leaves the list of the next ones.
+#[test]
+fn comments_of_the_template_follow_the_measurements() {
+    let template = usable().find(|template| template.rotary.is_empty()).unwrap();
+    let (shop, _) = made(template, "sinumerik", '-', &[]);
+    let own = "# EXX is checked every spring\n";
+    let text = shop.text("m.toml") + own;
+    let after = |names: &[&str]| names.iter().fold(text.clone(), |text, name| describe::measured(&text, name));
+    assert!(text.contains("\n#   EXX EYX EZX EAX EBX ECX  and backlash\n"), "{text}");
+    assert!(after(&["EXX1", "EXX2@100"]).contains("\n#   EYX EZX EAX EBX ECX  and backlash\n"));
+    assert!(after(&["EXXb", "EXX1"]).contains("\n#   EYX EZX EAX EBX ECX\n"));
+    // The pitches of the other axes are still to be measured.
+    assert!(after(&["EXX1"]).contains("pitch and backlash of each axis"));
+    let pitches = after(&["EXX1", "EYY1", "EZZ1"]);
+    assert!(!pitches.contains("pitch and backlash of each axis") && pitches.contains("ncfix square"), "{pitches}");
+    let names: Vec<String> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("#   E"))
+        .flat_map(|line| {
+            line.split_whitespace().map(|word| format!("E{}", word.trim_start_matches('E'))).collect::<Vec<_>>()
+        })
+        .filter(|name| name.len() == 3 || name.len() == 4 && name.as_bytes()[2] == b'0')
+        .chain(["EXXb", "EYYb", "EZZb"].map(str::to_owned))
+        .collect();
+    let all: Vec<&str> = names.iter().map(String::as_str).collect();
+    let left = after(&all);
+    for words in ["Not measured", "Measure next", "not measured yet", "No error of this machine"] {
+        assert!(!left.contains(words), "{words}: {left}");
+    }
+    // Words of a person stay.
+    assert!(left.ends_with(own), "{left}");
 }

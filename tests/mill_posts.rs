@@ -111,6 +111,30 @@ fn slots_that_machine_are_accepted_and_those_that_compute_are_not() {
     }
 }
 
+/// The hundreds of `_AMODE` of a slot belong to the depth of a chamfer; 1 of its units makes the depth relative to the reference plane 0.
+#[test]
+fn the_chamfer_of_a_slot_has_its_own_depth() {
+    let machine = machine("sinumerik");
+    let program =
+        |call: &str| format!("G17 G90 G94 G710 G40 G54\nT1 M6\nD1\nS3000 M3 F500\nG0 X0 Y0 Z20\n{call}\nG0 Z50\nM30\n");
+    let shop = |call: &str| Shop::new().file("m.toml", machine.as_str()).file("slot.mpf", program(call));
+    let moves = |call: &str| shop(call).run(["snc", "slot.mpf", "--machine", "m.toml"]).exits(0).stdout;
+    let slot1 =
+        |mode: &str| format!("SLOT1(20,0,2,-3,,2,40,12,50,40,15,0,90,200,300,3,2,0,0,0,0,0,0,0,0,0,0,0,100,0,{mode})");
+    let slot2 =
+        |mode: &str| format!("SLOT2(20,0,2,-3,,2,40,12,50,40,30,0,90,200,300,3,2,0,0,0,0,0,0,0,0,0,100,0,{mode})");
+    for slot in [&slot1 as &dyn Fn(&str) -> String, &slot2] {
+        let plain = moves(&slot("0"));
+        assert!(plain.contains("Z-3"), "{plain}");
+        for mode in ["1", "100", "101"] {
+            assert_eq!(plain, moves(&slot(mode)), "{mode}");
+        }
+        for mode in ["10", "201"] {
+            shop(&slot(mode)).run(["check", "slot.mpf", "--machine", "m.toml"]).says("E0201").says("_AMODE");
+        }
+    }
+}
+
 /// The surface of a hole without Z may be that of the hole before or the height of the tool, 0 + 2 + 8 = 10: refused after a hole, certain before one.
 #[test]
 fn a_hole_without_its_surface_is_refused_after_another_hole() {
@@ -153,7 +177,24 @@ fn rigid_tapping_of_a_millplus_stays_a_cycle() {
     shop.run(["fix", "tap.pm", "-o", "out.pm", "--machine", "m.toml", "--expand-cycles"]).says("E0201").says("I1=1");
 }
 
-/// `G7 L1=1` ends the plane. At zero the axes cannot turn; elsewhere they may turn or not, and it is refused.
+/// A floating holder needs no coupling of spindle and axis: the cycle stays too, and moves can replace it.
+#[test]
+fn tapping_with_a_floating_holder_of_a_millplus_stays_a_cycle() {
+    let machine = machine("grundig");
+    let program = "%PM9001\nN9001\nN1 G17 G71 G90 G54\nN2 T1 M6\nN3 S500 M3\nN4 G0 X0 Y0 Z50\nN5 G84 X0.5 Z-12 Y3 J1.25\nN6 G79 X10 Y10 Z0\nN7 G79 X30 Y10 Z-2\nN8 G0 Z50\nN9 M30\n";
+    let shop = Shop::new().file("m.toml", machine.as_str()).file("tap.pm", program);
+    let run = shop.run(["fix", "tap.pm", "-o", "out.pm", "--machine", "m.toml"]).exits(0);
+    assert!(!run.stderr.contains("W0207"), "{}", run.stderr);
+    let text = shop.text("out.pm");
+    let line = text.lines().find(|line| line.contains("G84")).unwrap_or_default();
+    assert!(["X0.5", "Y3", "Z-12", "J1.25"].iter().all(|word| line.contains(word)) && !line.contains('F'), "{text}");
+    assert!(text.contains("G79 X10 Y10 Z0") && text.contains("G79 X30 Y10 Z-2") && !text.contains("M4"), "{text}");
+    shop.run(["verify", "tap.pm", "out.pm", "--machine", "m.toml"]).exits(0);
+    shop.run(["fix", "tap.pm", "-o", "moves.pm", "--machine", "m.toml", "--expand-cycles"]).exits(0).says("W0207");
+    assert!(shop.text("moves.pm").contains("M4"));
+}
+
+/// `G7 L1=1` ends the plane. At zero the axes cannot turn; elsewhere they may turn or not, so that X, Y and Z wait for their positions.
 #[test]
 fn the_end_of_a_tilted_plane_may_name_its_turn_at_zero() {
     let machine = machine("five_grundig");
@@ -165,8 +206,37 @@ fn the_end_of_a_tilted_plane_may_name_its_turn_at_zero() {
     };
     let text = corrected(&machine, "plane.pm", &program("N10 G7\nN11 G0 B0 C0\nN12 G7 L1=1\n"), &[]);
     assert!(!text.contains("L1=1"), "{text}");
-    let shop = Shop::new().file("m.toml", machine.as_str()).file("plane.pm", program("N10 G7 L1=1\n"));
-    shop.run(["check", "plane.pm", "--machine", "m.toml"]).says("E0210").says("A5=0 B5=0 C5=0");
+    for then in ["", "N11 G7 B5=20 L1=1\n", "N11 G0 B0\n", "N11 G1 B0 C0 X5 F500\n"] {
+        let shop = Shop::new();
+        let shop = shop.file("m.toml", machine.as_str()).file("plane.pm", program(&format!("N10 G7 L1=1\n{then}")));
+        shop.run(["check", "plane.pm", "--machine", "m.toml"]).says("E0210").says("A5=0 B5=0 C5=0");
+    }
+}
+
+/// After `G7 L1=1` the program positions the rotary axes itself, or ends: the control does with them what it does in the program.
+#[test]
+fn the_end_of_a_tilted_plane_keeps_its_turn() {
+    let machine = machine("five_grundig");
+    let program = |end: &str| {
+        format!(
+            "%PM9001\nN9001\nN1 G17 G71 G90 G54\nN2 T1 M6\nN3 S1000 M3\nN4 G0 B0 C0\nN5 G0 X0 Y0 Z300\nN6 G7 B5=30 L1=1\nN7 G0 X40 Y30 Z200\n\
+             N8 G1 Z190 F500\nN9 G0 Z200\n{end}N23 M30\n"
+        )
+    };
+    let cut = "N20 G0 X5 Y6 Z200\nN21 G1 Z150 F1000\nN22 G0 Z300\n";
+    let moves = |end: &str| {
+        let shop = Shop::new().file("m.toml", machine.as_str()).file("plane.pm", program(&format!("{end}{cut}")));
+        let text = shop.run(["snc", "plane.pm", "--machine", "m.toml"]).exits(0).stdout;
+        text.lines()
+            .filter(|line| line.starts_with("G0 ") || line.starts_with("G1 "))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(moves("N10 G7 L1=1\nN11 G0 B0 C0\n"), moves("N10 G7\nN11 G0 B0 C0\n"));
+    for end in ["N10 G7 L1=1\n".to_owned(), format!("N10 G7 L1=1\nN11 G0 B0 C0\n{cut}")] {
+        let text = corrected(&machine, "plane.pm", &program(&end), &[]);
+        assert!(text.contains("G7 L1=1"), "{text}");
+    }
 }
 
 /// Within one turn `C3=1` changes nothing, at 90 + 360 degrees it does.

@@ -48,7 +48,8 @@ fn four_body_diagonals_give_three_squarenesses() {
         ["plan", "diagonal", "--machine", "mill.toml", "--margin", "0", "--model", "squareness.txt", "-o", "d.csv"];
     let shop = shop.file("squareness.txt", "EC0Y\nEB0Z\nEA0Z\n");
     let run = shop.run(plan.iter().copied().chain(["--program", "D.MPF"])).exits(0);
-    run.says("3 parameters and 4 unknowns of the set-up: the plan determines 7 of 7").says("straightness and angles");
+    run.says("3 parameters and 4 unknowns of the set-up: the plan determines 7 of 7")
+        .says("straightness and angular errors");
     let description = shop.text("d.toml");
     // (1, 4/5, 3/5) over its length √2.
     assert!(description.contains("[setup.PPP]\ndirection = [0.707107, 0.565685, 0.424264]"), "{description}");

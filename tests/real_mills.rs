@@ -74,6 +74,47 @@ fn a_program_of_a_haas_verifies() {
     assert!(!text.contains("G70") && !text.contains("G13"), "{text}");
 }
 
+/// Beside an inner arc of 10 mm, a tool of 3 mm moves on 7 mm: a Haas reduces F600 to 420, at least to the share of its setting 44. An outer arc keeps F, and a
+/// Fanuc keeps it in both. Chapter on cutter compensation of the Mill Operator's Manual.
+#[test]
+fn a_haas_reduces_the_feed_in_inner_arcs_only() {
+    let program = |start: &str, arc: &str| {
+        format!(
+            "O1\nG21 G90 G17 G40 G49 G80\nT1 M6\nG54 G0 {start}\nG43 H1 Z5.\nS1000 M3\nG1 Z-1. F300.\nG41 D1 {arc}\nG40 G1 {start}\nG0 Z5.\nM30\n"
+        )
+    };
+    let inner = program("X0. Y0.", "X10. Y-5. F600.\nY0.\nG3 X10. Y0. I-10. J0.");
+    let outer = program("X25. Y5.", "X10. Y5. F600.\nY0.\nG2 X10. Y0. I-10. J0.");
+    let haas = machine("haas");
+    assert!(haas.contains("radius_mm = 3.0"), "{haas}");
+    let limited = haas.replacen("[control]", "[control]\nleast_arc_feed_percent = 80", 1);
+    for (machine, program, has, has_not) in [
+        (&haas, &inner, "F420.", "F780."),
+        (&limited, &inner, "F480.", "F420."),
+        (&haas, &outer, "F600.", "F780."),
+        (&machine("fanuc"), &inner, "F600.", "F420."),
+    ] {
+        let text = corrected_on(machine.clone(), "arc.nc", program);
+        assert!(text.contains(has) && !text.contains(has_not), "{has}: {text}");
+    }
+}
+
+/// A Fanuc and a Haas keep the unit of an earlier program, so `Z1.` could be an inch: the correction in millimeters names that.
+#[test]
+fn a_unit_that_the_control_keeps_is_named() {
+    let program = "O1\nT1 M6\nG90 G54 G0 X0. Y0.\nG43 H1 Z1.\nG1 Z-0.1 F20.\nX4.\nG0 Z1.\nM30\n";
+    for name in ["haas", "fanuc"] {
+        let startup = machine(name).replacen("[control]", "[control]\nstartup_code = \"G21\"", 1);
+        let shop = Shop::new().file("m.toml", machine(name)).file("s.toml", startup);
+        let shop = shop.file("p.nc", program).file("u.nc", program.replace("T1 M6", "G20 T1 M6"));
+        let fix = |file: &str, machine: &str| shop.run(["fix", file, "-o", "out.nc", "--machine", machine]).exits(0);
+        fix("p.nc", "m.toml").says("warning[W0240]").says("p.nc:3").says("startup_code");
+        for (file, machine) in [("u.nc", "m.toml"), ("p.nc", "s.toml")] {
+            assert!(!fix(file, machine).stderr.contains("W0240"), "{file} {machine}");
+        }
+    }
+}
+
 /// A Haas names its additional work offsets G154, and so do the report, the stamp, the guard and the messages.
 #[test]
 fn a_haas_reads_its_own_names_of_work_offsets() {

@@ -41,7 +41,7 @@ fn the_worked_example_is_half_a_millimeter_in_a_meter() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     let run = square(&shop, &["--d1", "848.740", "--d2", "848.316", "--side", "600", "--read-to", "0.5"]).exits(0);
     assert!(run.stdout.contains("X+ to Y+ is 90° − 499.7 µrad ± "), "{}", run.stdout);
-    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt: Y turns, X stays"), "{}", run.stdout);
+    assert!(run.stdout.contains("EC0Y = -499.7 µrad on wFXYZSt: the model tilts Y, not X"), "{}", run.stdout);
     // u(γ) = u·D/(√2·a·b), u = 0.5/√3 = 0.28868: 0.28868·848.528/(1.41421·360000) = 4.8113e-4; twice that is 962.3 µrad.
     assert!(run.stdout.contains("± 962.3 µrad (95 %)"), "{}", run.stdout);
     // Over a travel of 2000 mm the correction is 1 mm, more than the 0.2 mm of a correction without an option.
@@ -134,6 +134,13 @@ fn readings_that_do_not_fit_are_refused() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     square(&shop, &["--d1", "848", "--d2", "700", "--side", "600"]).exits(2).says("do not fit");
     square(&shop, &["--square", "300", "--dial", "40"]).exits(2).says("a number is wrong");
+    // 12 µm typed as mm: 40 mm/m.
+    square(&shop, &["--square", "300", "--dial", "12"]).exits(2).says("12 µm is --dial 0.012");
+    // 1.5 mm over 300 mm is the limit of 5 mm/m; over a travel of 2000 mm it would be 10 mm, which is never proposed.
+    let large = square(&shop, &["--square", "300", "--dial", "1.5", "-o", "large.toml"]).exits(0);
+    assert!(!large.stderr.contains("--max-correction"), "{}", large.stderr);
+    let corner = square(&shop, &["--square", "300", "--dial", "-0.012"]).exits(0).stdout;
+    assert!(corner.contains("its corner is where") && corner.contains("let out by 0.012 mm"), "{corner}");
     square(&shop, &["--d1", "848", "--d2", "848"]).exits(2);
     square(&shop, &[]).exits(2);
 }

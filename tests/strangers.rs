@@ -562,3 +562,22 @@ fn a_depth_of_cut_of_an_earlier_cycle_is_named_at_the_tap() {
         snc(controller, &program("", "Q0 ")).exits(0);
     }
 }
+
+/// The holes of a tap share the Q of its first block. Outside of a hole, a Fanuc does not store Q (operator's manual, restrictions of the cycles).
+#[test]
+fn the_holes_of_a_tap_in_pecks_share_its_q() {
+    let program = |blocks: &str| {
+        format!("%\nO1\nG21 G90 G17 G40 G94 G54\nT1 M6\nS500 M3\nG0 X0. Y0. A0.\nG43 Z20. H1\n{blocks}G80\nM30\n%\n")
+    };
+    let shop = Shop::new()
+        .file("m.toml", mill("fanuc"))
+        .file("own.nc", program("M29 S500\nG99 G84 X15. Y5. Z-10. R2. Q2. F500.\nX25.\nX35.\n"))
+        .file("alone.nc", program("M29 S500\nG99 G84 Q2.\nX15. Y5. Z-10. R2. F500.\n"))
+        .file("stored.nc", program("M29 S500\nG99 G84 Z-10. R2. Q2. F500. K0\nX15. Y5.\nX25.\n"));
+    for file in ["own.nc", "stored.nc"] {
+        shop.run(["fix", file, "-o", "out.nc", "--machine", "m.toml"]).exits(0);
+        let text = shop.text("out.nc");
+        assert_eq!((text.matches("Q2.").count(), text.matches("G84").count()), (1, 1), "{text}");
+    }
+    shop.run(["fix", "alone.nc", "-o", "out.nc", "--machine", "m.toml"]).says("E0210").says("alone.nc:9:9");
+}

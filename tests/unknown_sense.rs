@@ -122,7 +122,7 @@ radius_mm = 4
 
 #[test]
 fn an_axis_at_rest_beside_a_plunge_keeps_the_promise() {
-    let program = "N40 G0 G43 Z11.000 H1\nN50 G0 X0. Y25.250\nN70 G1 Z-0.500 F800.000\nN80 G0 Z1.000\nN90 G0 X0. Y40.321\nN100 G1 Z-0.500 F800.000\n";
+    let program = "N10 G21\nN40 G0 G43 Z11.000 H1\nN50 G0 X0. Y25.250\nN70 G1 Z-0.500 F800.000\nN80 G0 Z1.000\nN90 G0 X0. Y40.321\nN100 G1 Z-0.500 F800.000\n";
     let shop = Shop::new().file("m.toml", COARSE).file("p.nc", program);
     let run = shop.run(["p.nc", "-o", "out.nc", "--machine", "m.toml", "--json"]).exits(0);
     let after_um = run.json()["after"]["max_um"].as_f64().unwrap();

@@ -95,7 +95,7 @@ impl Job {
                 }
                 Event::Holds(most, said) => assert!(most > 0 && self.sent == 0 && !said.is_empty(), "{most}: {said}"),
                 Event::InPosition(axes) => assert!(!axes.is_empty()),
-                Event::Paused(_) | Event::Reported(_) | Event::Said(_) | Event::Stalled => {}
+                Event::Paused(_) | Event::Reported(_) | Event::Said(_) | Event::Stalled | Event::ZeroOffsets(_) => {}
             }
         }
     }

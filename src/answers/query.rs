@@ -1,5 +1,7 @@
 //! The words of a question, and the rating of a text by them.
 
+use super::pages::PageSection;
+
 /// Words that are in every question and find nothing.
 const TOO_COMMON: &str = "a about after am an and any are as at be before but by can could did do does doing for from get go had has have how i if in into is \
                           it its me my need of off on one or our out should so than that the their them then there these they this those to up use \
@@ -10,6 +12,7 @@ const SYNONYMS: &[&str] = &[
     "axis axes",
     "backlash slop play reversal",
     "ballbar qc20",
+    "bed mesh heightmap",
     "break broke broken snapped",
     "caliper vernier",
     "collision crash",
@@ -30,7 +33,7 @@ const SYNONYMS: &[&str] = &[
     "reground resharpened shorter",
     "residual unexplained",
     "router gantry",
-    "sensor thermometer thermocouple",
+    "sensor thermometer thermocouple thermistor",
     "sinumerik siemens 840d 828d",
     "straight straightness bow bent",
     "tool cutter endmill",
@@ -42,6 +45,17 @@ const AS_UNKNOWN: f64 = 40.0;
 
 /// A word in at most this number of texts is rare: it alone may find a text.
 const RARE: usize = 3;
+
+/// Constants of the rating of long texts, BM25 with the values that its authors recommend (Robertson and Zaragoza 2009, *The Probabilistic Relevance
+/// Framework*): saturation of repeats, and influence of the length.
+const SATURATION: f64 = 1.2;
+const LENGTH_SHARE: f64 = 0.75;
+
+/// The value of a word in the heading of a section, in words of its text.
+const TITLE: f64 = 3.0;
+
+/// The value of another word for a word.
+const OTHER: f64 = 0.5;
 
 /// A word of a question.
 struct Term {
@@ -112,6 +126,64 @@ impl Query {
     }
 }
 
+impl Query {
+    /// The sections that have all words, as they are printed, the best first. If none has, and the question has three words or more, one may be missing.
+    pub(super) fn best_sections(&self, sections: &[PageSection], most: usize) -> BestSections {
+        if self.0.is_empty() {
+            return BestSections::default();
+        }
+        let parts = |section: &PageSection| [&section.heading, &section.page, &section.text].map(|text| words_of(text));
+        let words: Vec<[Vec<String>; 3]> = sections.iter().map(parts).collect();
+        let mean = words.iter().map(|[_, _, text]| text.len() as f64).sum::<f64>() / words.len().max(1) as f64;
+        let counts: Vec<Vec<f64>> =
+            words.iter().map(|own| self.0.iter().map(|term| count(own, term)).collect()).collect();
+        let rarity = |at: usize| {
+            let having = counts.iter().filter(|own| own[at] > 0.0).count() as f64;
+            (1.0 + (counts.len() as f64 - having + 0.5) / (having + 0.5)).ln()
+        };
+        let rarities: Vec<f64> = (0..self.0.len()).map(rarity).collect();
+        let missing: Vec<usize> = counts.iter().map(|own| own.iter().filter(|count| **count == 0.0).count()).collect();
+        let least = missing.iter().copied().min().unwrap_or_default();
+        if least > usize::from(self.0.len() > 2) {
+            return BestSections::default();
+        }
+        let mut rated: Vec<(f64, &PageSection)> = Vec::new();
+        for (at, section) in sections.iter().enumerate().filter(|(at, _)| missing[*at] == least) {
+            let [_, _, text] = &words[at];
+            let length = 1.0 - LENGTH_SHARE + LENGTH_SHARE * text.len() as f64 / mean;
+            let of =
+                |(count, rarity): (&f64, &f64)| rarity * count * (1.0 + SATURATION) / (count + SATURATION * length);
+            rated.push((counts[at].iter().zip(&rarities).map(of).sum(), section));
+        }
+        rated.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let is_heading = |section: &PageSection| {
+            let heading = words_of(&section.heading);
+            self.0.iter().all(|term| has(&heading, &term.stem))
+        };
+        let is_its_heading = rated.first().is_some_and(|(_, section)| is_heading(section));
+        BestSections {
+            shown: rated.into_iter().take(most).map(|(_, section)| section.shown.clone()).collect(),
+            is_its_heading,
+        }
+    }
+}
+
+/// Sections that have the words of a question.
+#[derive(Default)]
+pub(super) struct BestSections {
+    /// As they are printed, the best first.
+    pub(super) shown: Vec<String>,
+    /// True if the heading of the first one has all words.
+    pub(super) is_its_heading: bool,
+}
+
+/// The number of times that a heading, the title of its page and its text have a word. Another word for it counts less, a heading more.
+fn count([heading, page, text]: &[Vec<String>; 3], term: &Term) -> f64 {
+    let own = |words: &[String], stem: &str| words.iter().filter(|word| is(word, stem)).count() as f64;
+    let of = |stem: &str| own(text, stem) + own(page, stem) + TITLE * own(heading, stem);
+    of(&term.stem) + OTHER * term.others.iter().map(|other| of(other)).sum::<f64>()
+}
+
 /// The letters and digits of a word in lower case: `ball-bar` is `ballbar`.
 fn letters(word: &str) -> String {
     word.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
@@ -159,11 +231,16 @@ fn words_of(text: &str) -> Vec<String> {
 
 /// True if a word of a text has the stem. A short stem, and that of a code such as `g154`, must be the whole word.
 fn has(words: &[String], own: &str) -> bool {
+    words.iter().any(|word| is(word, own))
+}
+
+/// True if a word in lower case has the stem.
+fn is(word: &str, own: &str) -> bool {
     let is_code = own.chars().skip(1).all(|letter| letter.is_ascii_digit());
     if is_code || own.chars().count() <= 3 {
-        words.iter().any(|word| word == own || !is_code && stem(word) == own)
+        word == own || !is_code && stem(word) == own
     } else {
-        words.iter().any(|word| word.starts_with(own))
+        word.starts_with(own)
     }
 }
 

@@ -286,6 +286,9 @@ pub(super) struct FixArguments {
     /// Begin the output with a check by the control, which stops if a zero offset or tool length differs from those used here (not Grbl, Grundig)
     #[arg(long)]
     pub(super) guard: bool,
+    /// Write runs of subprograms and further passes of loops as subprograms, the same ones once. =FIRST: number of the first one
+    #[arg(long, value_name = "FIRST", num_args = 0..=1, require_equals = true, default_missing_value = "0", conflicts_with_all = ["in_place", "review", "zero_shift"])]
+    pub(super) subprograms: Option<u32>,
     /// Largest output, in blocks per block of the program, such as 20x; a longer one is refused
     #[arg(long, value_name = "FACTOR", value_parser = ncfix_base::number::factor)]
     pub(super) max_growth: Option<f64>,

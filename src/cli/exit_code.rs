@@ -7,7 +7,8 @@ use ncfix_base::diagnostic::Diagnostic;
 pub enum ExitCode {
     /// Done; there may be warnings. Also when the reader of standard output went away.
     Done = 0,
-    /// Two programs differ, as asked by the command; or an import wrote all but files that it could not read.
+    /// Two programs differ, as asked by the command; a correction with a review is written and should not run; or an import wrote all but files that it could
+    /// not read.
     Different = 1,
     /// Usage error: contradicting options, or a file that cannot be read or written.
     Usage = 2,
@@ -45,6 +46,15 @@ const OF_DATA: &[(ExitCode, &str)] = &[SUCCESS, USAGE, REFUSED];
 
 /// Exit statuses of commands that read no program.
 const OF_READINGS: &[(ExitCode, &str)] = &[SUCCESS, USAGE, (ExitCode::NotUnderstood, BAD_SETUP), REFUSED];
+
+/// Exit statuses of `ncfix fix`.
+const OF_FIX: &[(ExitCode, &str)] = &[
+    SUCCESS,
+    (ExitCode::Different, "with --review: written, but the verdict is that the corrected program should not run"),
+    USAGE,
+    (ExitCode::NotUnderstood, NOT_UNDERSTOOD),
+    REFUSED,
+];
 
 /// Exit statuses of `ncfix import`, which may write a part of a folder.
 const OF_IMPORT: &[(ExitCode, &str)] = &[
@@ -97,6 +107,7 @@ impl ExitCode {
     pub(super) fn of_command(name: &str) -> impl Iterator<Item = (ExitCode, &'static str)> {
         let (own, further) = match name {
             "diff" => (OF_DIFF, None),
+            "fix" => (OF_FIX, None),
             "verify" => (OF_VERIFY, None),
             "explain" | "completions" | "man" => (OF_TEXTS, None),
             "calibrate" => (OF_DATA, None),

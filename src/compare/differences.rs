@@ -33,7 +33,8 @@ pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]
             let message = format!(
                 "the tool tip is {off:.2} µm off its position at {corrected}, in the move of {original}; tolerance and rounding allow {limit:.2} µm"
             );
-            (Code::OFF_PROMISE, message, "correct the original again, with the same machine file and state")
+            let help = "correct the original again, with the same machine file and state; if fix reported W0305, with a larger --tolerance";
+            (Code::OFF_PROMISE, message, help)
         }
         What::Tilted { tilt_rad, limit_rad } => {
             let [tilt, limit] = [tilt_rad, limit_rad].map(|rad| urad_from_rad(*rad));

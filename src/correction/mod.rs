@@ -7,6 +7,7 @@ mod guard;
 mod noted;
 mod pieces;
 mod pipeline;
+pub(crate) mod subprograms;
 mod wear;
 mod writing;
 
@@ -33,7 +34,7 @@ use ncfix_dialect::Language;
 use ncfix_language::exec::{self, Radius};
 use ncfix_language::syntax;
 use ncfix_model::Model;
-use ncfix_path::emit::{self, CorrectionTrace, NumberSet};
+use ncfix_path::emit::{self, CorrectionTrace, NumberSet, SubprogramStyle};
 use ncfix_path::path::{self, Prediction};
 use ncfix_report::correction::CorrectionReport;
 use ncfix_report::guard::GuardReport;
@@ -237,7 +238,7 @@ impl<'a> Correction<'a> {
             let assumed = run::assumed_start(&opened.source, opened.dialect, &self.machine.machine);
             found.extend(assumed, std::slice::from_ref(&opened.source));
         }
-        Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads }))
+        Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads, has_sections: false }))
     }
 
     /// A written text, for reading it again.
@@ -247,6 +248,11 @@ impl<'a> Correction<'a> {
     pub(crate) fn again(original: &Source, name: &str, text: Vec<u8>) -> Result<Source, Error> {
         let too_long = format!("{name} is too long to be read again");
         Source::new(original.id(), name, text).map_err(|_| Error::usage(too_long))
+    }
+
+    /// Checks the growth of the output after its size has changed.
+    pub(crate) fn check_growth(&self, report: &mut CorrectionReport, found: &mut Diagnostics) {
+        found.extend(growth::check(self.program.source(), self.options.max_growth, report), &[]);
     }
 
     /// Executes a written text as the control would with the largest wear to either side.
@@ -274,6 +280,8 @@ pub(crate) struct Prepared<'a> {
     opened: Opened,
     hash: String,
     threads: usize,
+    /// `true` if the text has marks of sections that can become subprograms.
+    has_sections: bool,
 }
 
 impl<'a> Prepared<'a> {
@@ -309,6 +317,15 @@ impl<'a> Prepared<'a> {
             ..exec::Options::default()
         };
         Ok((program.start_as(opened, &correction.machine.machine, run), writing, numbers))
+    }
+
+    /// Marks the sections of the text that can become subprograms. Returns how the control calls these.
+    ///
+    /// # Errors
+    /// If the control has no subprograms.
+    pub(crate) fn mark_sections(&mut self) -> Result<SubprogramStyle, Error> {
+        self.has_sections = true;
+        subprograms::style(self.opened.dialect.language, &self.correction.machine)
     }
 
     /// The tree of the program.
@@ -348,7 +365,7 @@ impl<'a> Prepared<'a> {
         report: &mut CorrectionReport,
         also: impl FnOnce(&[PathBuf], &mut Diagnostics),
     ) -> Result<io::Result<WrittenText>, Error> {
-        let (correction, threads) = (self.correction, self.threads);
+        let (correction, threads, has_sections) = (self.correction, self.threads, self.has_sections);
         let Correction { program, machine, model, options } = correction;
         let is_required = options.require_coverage;
         let (running, writing, numbers) = self.start(options.keeps_cycles && options.feed_limit_mm.is_none())?;
@@ -358,6 +375,9 @@ impl<'a> Prepared<'a> {
         };
         let mut writer = writing.writer()?;
         writer.mark_passes();
+        if has_sections {
+            writer.mark_sections();
+        }
         writer.keep_free(numbers);
         if options.guard {
             let mut words = guard::of_program(program, machine, &writing)?;
@@ -381,7 +401,10 @@ impl<'a> Prepared<'a> {
             Ok(blocks) => blocks,
             Err(error) => return Ok(Err(error)),
         };
-        found.extend(growth::check(program.source(), options.max_growth, report), &[]);
+        // Calls shorten the output.
+        if !has_sections {
+            found.extend(growth::check(program.source(), options.max_growth, report), &[]);
+        }
         if let Some((limit, limited)) = options.feed_limit_mm.zip(passed.limited) {
             report.feed_limit = Some(feed_limit::report(limit, &limited));
         }

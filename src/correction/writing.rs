@@ -42,6 +42,7 @@ impl Writing {
             centers: entry.centers,
             feeds: entry.feeds,
             has_transformation: entry.has_transformation,
+            has_spatial_arcs: entry.has_spatial_arcs,
             start,
             ..choice.of_path()
         };

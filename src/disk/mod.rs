@@ -15,7 +15,7 @@ pub(crate) mod hash;
 pub(crate) mod kept_library;
 pub(crate) mod machine_file;
 pub(crate) mod measurements;
-mod numbered_programs;
+pub(crate) mod numbered_programs;
 pub(crate) mod origin;
 pub(crate) mod output;
 pub(crate) mod pager;

@@ -55,7 +55,7 @@ impl NumberedPrograms {
 }
 
 /// The program files of folders, in a fixed order; `None` above the limits.
-fn candidates<'a>(folders: impl IntoIterator<Item = &'a Path>) -> Option<Vec<PathBuf>> {
+pub(crate) fn candidates<'a>(folders: impl IntoIterator<Item = &'a Path>) -> Option<Vec<PathBuf>> {
     let (mut paths, mut bytes) = (Vec::new(), 0_u64);
     for folder in folders {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -79,7 +79,7 @@ fn candidates<'a>(folders: impl IntoIterator<Item = &'a Path>) -> Option<Vec<Pat
 }
 
 /// The O numbers at the beginnings of lines; a colon is the O of the ISO code.
-fn numbers(bytes: &[u8]) -> impl Iterator<Item = u32> {
+pub(crate) fn numbers(bytes: &[u8]) -> impl Iterator<Item = u32> {
     bytes.split(|byte| matches!(byte, b'\n' | b'\r')).filter_map(|line| {
         let rest = line.trim_ascii_start().strip_prefix(b"O").or_else(|| {
             let line = line.trim_ascii_start();

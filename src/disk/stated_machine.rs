@@ -8,12 +8,20 @@ use crate::error::Error;
 use crate::machine::Machine;
 use crate::registry::Registry;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_machine::snc::stated_machine;
+use ncfix_machine::snc;
 use ncfix_path::emit;
 
 /// Maximum number of machine files that are examined in a folder, and the largest of them, bytes.
 const MOST_FILES: usize = 200;
 const MOST_BYTES: u64 = 4_000_000;
+
+/// The byte order mark of UTF-8.
+pub(crate) const MARK: &str = "\u{feff}";
+
+/// A flat stream from its head line: blank lines and a byte order mark may precede it.
+pub(crate) fn from_head(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(MARK.as_bytes()).unwrap_or(bytes).trim_ascii_start()
+}
 
 /// A program for which a machine is chosen.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +67,7 @@ enum StatedMachine {
 
 impl StatedMachine {
     fn of(bytes: &[u8]) -> Option<StatedMachine> {
-        let name = || stated_machine(bytes).map(StatedMachine::Name);
+        let name = || snc::stated_machine(from_head(bytes)).map(StatedMachine::Name);
         emit::stamped_model(bytes).map(StatedMachine::Model).or_else(name)
     }
 

@@ -184,6 +184,15 @@ fn joined(
     all
 }
 
+/// The warning for axes whose numbers at the control are not stated; `axes` lists them.
+pub(crate) fn numbers_assumed(axes: &str) -> Diagnostic {
+    let message = format!(
+        "the numbers of the axes at the control are not stated; ncfix assumes {axes}; a spindle with a number of its own shifts those after it"
+    );
+    let help = "compare them with the machine axes of the control (MD10000), and state them: axis_order = [\"X\", \"Y\", \"Z\", \"-\", \"A\", \"C\"] in [machine], \"-\" for the spindle; or --axis-name A=AX5";
+    Diagnostic::nowhere(Code::AXIS_NUMBERS_ASSUMED, message, help)
+}
+
 /// The warning for products if it is not stated which ones the control forms.
 pub(crate) fn products_assumed(names: &str) -> Diagnostic {
     let message = format!(

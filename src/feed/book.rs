@@ -50,13 +50,26 @@ pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error
                 told.frozen, told.acknowledged
             ),
             format!(
-                "run `ncfix resume {shown} --clearance HEIGHT`, delete this journal, or give another file with --journal"
+                "{}; or delete this journal, or give another file with --journal",
+                next_step(path, told.head.iter().any(|(key, word)| *key == HeadKey::Argument && word == "--zero-now"))
             ),
         ),
         Err(_) => (format!("{shown} exists and is not a journal"), "give another file with --journal".to_owned()),
     };
     findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
     Ok(())
+}
+
+/// Advice to a user after an aborted job.
+pub(crate) fn next_step(journal: &Path, is_zeroed_at_start: bool) -> String {
+    let shown = journal.display();
+    if is_zeroed_at_start {
+        // Its temperatures count from its start, which is over.
+        return format!(
+            "a job with --zero-now cannot be resumed: touch off the workpiece zero again, remove {shown}, and feed the program from its beginning"
+        );
+    }
+    format!("`ncfix resume {shown} --clearance HEIGHT` shows how to resume the job")
 }
 
 /// True if a job has a journal open.

@@ -6,19 +6,20 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::book::Book;
 use super::job::Transfer;
 use super::meter::Meter;
 use super::source::{self, AHEAD, LineSource};
+use super::start_state;
 use super::thermal::{Standing, Thermal};
 use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
 use ncfix_dnc::feed::{ELSEWHERE, Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
-use ncfix_dnc::sense::Panel;
+use ncfix_dnc::sense::{Panel, SensorOutages, clock};
 use ncfix_report::feed::{Before, ExecutionEvidence, FeedEvent, FeedOutcome, Status};
 
 /// Interval between two checks of the clock, the keyboard and the sensors while nothing arrives.
@@ -69,7 +70,16 @@ pub(crate) fn run(
 ) -> Result<Sent, NotBegun> {
     let job = Arc::new(job);
     let started = Instant::now();
-    let dialogue = job.dialogue()?;
+    let mut dialogue = job.dialogue()?;
+    let zero = start_state::expected_zero(&job.program, &job.machine.machine, begin.zero_offsets.clone());
+    if !dialogue.asks_zero() {
+        let by_hand = zero.by_hand();
+        let message = format!(
+            "this link cannot ask the control for its zero offsets: before the start, compare {by_hand} of the machine file with the control, and the tool length"
+        );
+        view.say(FeedEvent::Zero, Duration::ZERO, None, message);
+    }
+    dialogue.expect(zero);
     let mut book = Book::create(lane.journal, begin.journal.as_deref())?;
     let head = head(&job, before, begin);
     let head: Vec<(HeadKey, &str)> = head.iter().map(|(key, value)| (*key, value.as_str())).collect();
@@ -91,16 +101,31 @@ pub(crate) fn run(
         thread::spawn(move || source::produce(&job, &base, program, &to));
     }
     let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings)
-        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()));
+        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()))
+        .stating(&job.stated);
     let mut supply = LineSource::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
     let bound = profile.holds_at_most();
     let (speed, meter, sends_file) = (lane.characters_per_s, Meter::new(), profile.protocol.sends_file);
-    let mut drive =
-        Drive { sender, port: lane.port, view, before, speed, bound, sends_file, started, meter, halted: None };
+    let mut drive = Drive {
+        sender,
+        port: lane.port,
+        view,
+        before,
+        speed,
+        bound,
+        sends_file,
+        started,
+        has_asked: false,
+        meter,
+        halted: None,
+    };
     let (ended, end) = drive.go(&mut supply, &thermal).map_err(|error| unwritten(&error))?;
     let status = drive.status(&supply, &thermal, Some(&ended));
+    for (name, outages) in thermal.outages() {
+        drive.view.say(FeedEvent::Sensors, started.elapsed(), None, outage_sentence(&name, &outages, started));
+    }
     let may_have_run = drive.sender.may_have_run();
     let now = started.elapsed();
     journal.end(&ended, may_have_run, now).map_err(|error| unwritten(&error))?;
@@ -123,6 +148,11 @@ pub(crate) struct Begin {
     pub(crate) words: Vec<String>,
     /// The plan for resuming, and the journal from which it was made.
     pub(crate) resumed: Option<String>,
+    /// Of the earlier parts of the job: the last element at which they can be resumed, the last one that they may have sent, and the last source line that they
+    /// have certainly executed.
+    pub(crate) earlier: [u64; 3],
+    /// Zero offsets that the control stated when the job began.
+    pub(crate) zero_offsets: Option<String>,
     pub(crate) journal: Option<Vec<u8>>,
 }
 
@@ -141,6 +171,10 @@ fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
     head.push((HeadKey::Folder, folder));
     head.extend(begin.resumed.clone().map(|resumed| (HeadKey::Resumed, resumed)));
+    if begin.resumed.is_some() {
+        let [until, sent, line] = begin.earlier;
+        head.push((HeadKey::Earlier, format!("{until} {sent} {line}")));
+    }
     head.extend(begin.words.iter().map(|word| (HeadKey::Argument, word.clone())));
     head
 }
@@ -186,6 +220,8 @@ struct Drive<'a> {
     /// True if the link sends the program as one file.
     sends_file: bool,
     started: Instant,
+    /// True if the user was asked to start the control.
+    has_asked: bool,
     /// The time from an answer to the bytes of the next line.
     meter: Meter,
     /// A stop requested by the user or a sensor, with its status, its reason and its message.
@@ -208,6 +244,12 @@ impl Drive<'_> {
             if before.0 > 0 && progress.sent > before.0 {
                 self.meter.add(self.started.elapsed().saturating_sub(now));
             }
+            let waits_for = self.sender.waits_for();
+            if let Some(what) = waits_for.filter(|_| !std::mem::replace(&mut self.has_asked, true)) {
+                self.view.say(FeedEvent::Stalled, now, None, what.to_owned());
+            }
+            // As long as a person has to start the control, silence is no fault.
+            events.retain(|event| *event != Event::Stalled || waits_for.is_none());
             events.drain(..).for_each(|event| self.view.event(&event, now));
             if let Some(ended) = ended {
                 self.flush(supply)?;
@@ -281,9 +323,13 @@ impl Drive<'_> {
             None => "the blocks that the control already holds, whose number it does not report".to_owned(),
         };
         let by_hand = "this link has no command to hold the axes: use feed hold of the control; ncfix ends";
+        let mut rest = vec![held];
+        if open > 0 {
+            rest.insert(0, lines(open as u64));
+        }
         let what = said
             .or(self.sender.remains().map(|remains| format!("{by_hand}; {remains}")))
-            .unwrap_or_else(|| format!("{by_hand}; the {open} lines sent may still be executed, and {held}"));
+            .unwrap_or_else(|| format!("{by_hand}; {} may still be executed", rest.join(" and ")));
         let message = format!("{why}: {what}");
         self.view.say(FeedEvent::Halt, now, None, message.clone());
         self.halted = Some((halt, code, why.to_owned(), message));
@@ -307,24 +353,39 @@ impl Drive<'_> {
             return format!("{why}; no line was sent");
         }
         if self.sends_file {
-            let what = if self.sender.may_have_run() { "the job is lost" } else { "the program was not started" };
+            let what =
+                if self.sender.may_have_run() { "the transfer has ended" } else { "the program was not started" };
             return format!("{what}: {why}");
         }
         let open = progress.sent.saturating_sub(taken);
+        let mut what = format!("the transfer has ended: {why}");
+        if open == 0 && why.starts_with(ELSEWHERE) {
+            // It stands still at the end of what it has answered.
+            return format!("{what}; the control has answered every line that was sent");
+        }
         let held = taken.saturating_sub(progress.executed.unwrap_or(0));
-        let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
+        let before = if open > 0 { " before" } else { "" };
+        if open > 0 {
+            let were = if open == 1 { "was" } else { "were" };
+            what += &format!("; {} {were} sent and not acknowledged", lines(open));
+        }
         if held > 0 {
             what += &match self.most_held() {
                 Some(most) if most < held => {
-                    format!("; up to {most} of the {held} lines before them may still be in its buffer")
+                    format!("; up to {most} of the {}{before} may still be in its buffer", lines(held))
                 }
-                Some(_) => format!("; all {held} lines before them may still be in its buffer"),
+                Some(_) if held == 1 => format!("; the line{before} may still be in its buffer"),
+                Some(_) => format!("; all {}{before} may still be in its buffer", lines(held)),
                 None => format!(
-                    "; any of the {held} lines before them may still be in its buffer, because the control does not report how many it holds"
+                    "; any of the {}{before} may still be in its buffer, because the control does not report how many it holds",
+                    lines(held)
                 ),
             };
         }
-        what + "; each of these may or may not have been executed"
+        if open + held == 0 {
+            return what;
+        }
+        what + "; the axes can still start: each of these may have been executed, or may still be executed: reset the control"
     }
 
     /// Maximum number of received lines that the control may not have executed yet; `None` if it does not report it.
@@ -344,12 +405,15 @@ impl Drive<'_> {
             Some(Ended::Done) => (Some(FeedOutcome::Done), None),
             Some(Ended::Stopped) => {
                 let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
-                let what = if progress.left > 0 {
+                let what = if progress.sent == 0 {
+                    "no line was sent"
+                } else if progress.left > 0 {
                     "every line sent was transmitted"
                 } else {
                     "the control has answered every line"
                 };
-                (Some(FeedOutcome::Stopped), Some(format!("{why}; {what}; nothing else was sent")))
+                let rest = if progress.sent > 0 { "; nothing else was sent" } else { "" };
+                (Some(FeedOutcome::Stopped), Some(format!("{why}; {what}{rest}")))
             }
             Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
             Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),
@@ -384,7 +448,8 @@ impl Drive<'_> {
                 .is_finite()
                 .then(|| 100.0 * progress.bytes as f64 / (self.speed * elapsed_s.max(1e-3))),
             repeats: progress.repeats,
-            stalls: progress.stalls,
+            // Before the first line a person may have to start the control.
+            stalls: if progress.sent > 0 { progress.stalls } else { 0 },
             applied: axes(&progress.last.offset, &progress.last.target),
             target: axes(&progress.last.target, &progress.last.offset),
             sensor_age_s: age.map(|age| age.as_secs_f64()),
@@ -402,6 +467,19 @@ impl Drive<'_> {
             source_line: progress.last.source_line,
         }
     }
+}
+
+/// Summary of the outages of a sensor, with the times of day.
+fn outage_sentence(name: &str, outages: &SensorOutages, started: Instant) -> String {
+    let begun = SystemTime::now() - started.elapsed();
+    let [first, last] = [outages.first, outages.last].map(|after| clock(begun + after));
+    let times = if outages.count == 1 { "once".to_owned() } else { format!("{} times", outages.count) };
+    format!("sensor {name}: {times} without a good reading, {first} to {last} UTC")
+}
+
+/// A number of lines with its noun.
+fn lines(count: u64) -> String {
+    format!("{count} line{}", if count == 1 { "" } else { "s" })
 }
 
 /// Evidence that the control has executed the lines of a job that has ended.

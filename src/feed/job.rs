@@ -5,6 +5,7 @@ use std::path::Path;
 use super::first_answers;
 use super::link::ControlLink;
 use super::options::FeedOptions;
+use super::start_state;
 use crate::correction::Writing;
 use crate::datum;
 use crate::diagnostics::Diagnostics;
@@ -44,6 +45,8 @@ pub struct Transfer {
     pub(crate) writing: Writing,
     pub(crate) dialect: &'static Dialect,
     pub(crate) settings: Settings,
+    /// Codes of the start that the program does not state.
+    pub(super) stated: String,
 }
 
 impl Transfer {
@@ -58,7 +61,6 @@ impl Transfer {
         (correction, options): (&Options, FeedOptions),
         found: &mut Diagnostics,
     ) -> Result<Option<Transfer>, Error> {
-        machine.check_one_head()?;
         let program = program.keeping_subprograms();
         name_file(&mut link, &options)?;
         let mut machine = datum::with_written(&program, &machine);
@@ -88,7 +90,8 @@ impl Transfer {
             keeps_headers: link.profile.protocol.sends_file,
         };
         let dialect = opened.dialect;
-        Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))
+        let stated = start_state::unstated(&program, &machine.machine, dialect.language, &link.profile);
+        Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings, stated }))
     }
 
     /// Opens the program again from its beginning.

@@ -53,12 +53,13 @@ impl<'a> LiveLines<'a> {
             }
             time_s += LATER_S;
             condition.set_time(time_s);
-            Arc::new(Model::at(&machine.machine, &machine.errors, &condition).with_zeros_of(base))
+            Arc::new(machine.model_now(&condition, base))
         });
         let unlimited = DosingLimits { per_block: f64::INFINITY, per_mm: f64::INFINITY, per_s: f64::INFINITY };
         let settings = Settings { limits: unlimited, ..job.settings };
         let lines = Lines::new(&machine.machine, base, &job.writing.options, job.writing.writer()?, settings)
-            .rewritten(job.link.profile.protocol.rewrite.map(|create| create()));
+            .rewritten(job.link.profile.protocol.rewrite.map(|create| create()))
+            .stating(&job.stated);
         let decimals = decimals(Increments::new(&machine.machine.control).linear_mm);
         Ok(Some(LiveLines { job, lines, models, taken: 0, decimals, refused: Vec::new() }))
     }

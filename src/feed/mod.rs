@@ -14,7 +14,10 @@ mod live_lines;
 mod meter;
 mod options;
 mod resume;
+mod shown_faults;
+mod shown_texts;
 mod source;
+mod start_state;
 mod survey;
 mod thermal;
 
@@ -31,12 +34,17 @@ use ncfix_dnc::feed::{Event, Port};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, Status};
 
-pub(crate) use book::check as check_journal;
+pub(crate) use book::{check as check_journal, next_step};
 pub(crate) use drive::{Begin, Lane, NotBegun, run as send};
 pub use job::Transfer;
 pub use link::ControlLink;
 pub use options::FeedOptions;
 pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broken};
+pub(crate) use shown_faults::ShownFaults;
+pub(crate) use shown_texts::ShownTexts;
+
+/// Advice for a transfer without all temperatures of the error model.
+pub(crate) const TEMPERATURES_HELP: &str = "give --sensors with a file of these sensors, which are read while the job runs; or --state with their temperatures";
 
 /// The reason why a transfer has ended.
 ///

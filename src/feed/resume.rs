@@ -123,6 +123,13 @@ pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before
     }
 }
 
+/// Last element at which the earlier parts of a resumed job can be resumed, the last one that they may have sent, and the last source line that they have
+/// certainly executed; 0 without such parts.
+fn earlier(told: &JournalContents) -> [u64; 3] {
+    let mut words = head(told, HeadKey::Earlier).split(' ').map(|word| word.parse().unwrap_or(0));
+    [(); 3].map(|()| words.next().unwrap_or(0))
+}
+
 /// True if a line names an axis.
 fn is_move(text: &[u8]) -> bool {
     text.split(|&byte| byte == b' ').any(|word| word.first().is_some_and(|letter| b"XYZABCUVW".contains(letter)))
@@ -245,6 +252,10 @@ pub(crate) fn plan(
     // Without a record, only the beginning is certain.
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
     let sent = at(told.frozen).map_or(0, |line| line.element);
+    // What earlier parts of the job have certainly executed stays executed.
+    let [until_before, sent_before, line_before] = earlier(told);
+    let (until, sent) = (until.max(until_before), sent.max(sent_before));
+    let executed_line = at(sure).map_or(0, |line| u64::from(line.source_line)).max(line_before);
     let grammar = Grammar::new(job.dialect, job.machine.machine.control.tool_change == ToolChange::T);
     let mut search = RestartSearch::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
     walk(job, watch, &mut ignored, &mut |step| match step {
@@ -278,7 +289,8 @@ pub(crate) fn plan(
         }
     })?;
     let number = short_hash([journal, &skip.to_le_bytes()[..], lines.join("\n").as_bytes()]);
-    let line_of = |number: u64| at(number).map(|line| line.source_line);
+    // Lines of an approach have no source line.
+    let line_of = |number: u64| at(number).map(|line| line.source_line).filter(|line| *line > 0);
     let plan = Plan {
         schema: 1,
         plan: number.clone(),
@@ -287,7 +299,7 @@ pub(crate) fn plan(
         acknowledged: told.acknowledged,
         acknowledged_line: line_of(told.acknowledged),
         executed: sure,
-        executed_line: line_of(sure),
+        executed_line: u32::try_from(executed_line).ok().filter(|line| *line > 0),
         holds: holds.as_ref().map(|(most, _)| *most),
         holds_source: holds.map(|(_, source)| source),
         sent: told.frozen,
@@ -301,7 +313,19 @@ pub(crate) fn plan(
         first: first.into_iter().map(|(_, text)| text).collect(),
         clearance: clearance_mm.map(|mm| format!("{mm}mm")),
         port: port.clone(),
+        needs_a_look: !job.link.profile.asks_idle(),
     };
     let words = told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, word)| word.clone()).collect();
-    Ok(Ok((plan, Begin { input, port, skip, lines, words, resumed: Some(number), journal: Some(journal.to_vec()) })))
+    let begin = Begin {
+        input,
+        port,
+        skip,
+        lines,
+        words,
+        resumed: Some(number),
+        earlier: [until, sent, executed_line],
+        zero_offsets: told.zero_offsets.clone(),
+        journal: Some(journal.to_vec()),
+    };
+    Ok(Ok((plan, begin)))
 }

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use crate::correction::corrected_before;
 use crate::coverage;
-use crate::datum;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
+use crate::head;
 use crate::run::{self, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
@@ -155,7 +155,8 @@ pub(crate) fn walk(
     }
     let mut corrector = Corrector::new(running, machine, &model, job.writing.options.clone());
     let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings)
-        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()));
+        .rewritten(job.link.profile.protocol.rewrite.map(|create| create()))
+        .stating(&job.stated);
     let mut found = Vec::new();
     let mut is_good = true;
     for output in &mut corrector {
@@ -192,8 +193,7 @@ pub(crate) fn walk(
     if is_good {
         let extent = corrector.elements().extent();
         let tolerance_mm = job.writing.options.tolerance_mm;
-        datum::without_use(&job.machine, extent.zeros(), findings);
-        datum::of_run(&job.machine, &model, extent.zeros(), extent.tools_mm(), tolerance_mm, findings);
+        head::zeros(&head::in_use(&job.machine, &model, extent), extent, tolerance_mm, findings);
     }
     for corrected in sources.iter().skip(1).filter_map(corrected_before) {
         findings.add(corrected, sources);

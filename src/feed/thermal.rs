@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ncfix_dnc::sense::{Action, Panel, PanelVerdict};
+use ncfix_dnc::sense::{Action, Panel, PanelVerdict, SensorOutages};
 use ncfix_machine::machine::Condition;
 use ncfix_model::Model;
 
@@ -36,6 +36,7 @@ struct Shared {
     now: Now,
     standing: Standing,
     age: Option<Duration>,
+    outages: Vec<(String, SensorOutages)>,
 }
 
 /// The current temperatures.
@@ -96,6 +97,11 @@ impl Thermal {
         let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         (shared.standing.clone(), shared.age)
     }
+
+    /// The sensors that have lost their value, with their outages.
+    pub(super) fn outages(&self) -> Vec<(String, SensorOutages)> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).outages.clone()
+    }
 }
 
 impl Drop for Thermal {
@@ -117,7 +123,9 @@ impl Watch {
         let is_due = self.looked.is_none_or(|looked| now.saturating_sub(looked) >= self.every);
         let model = (is_due && standing == Standing::Good).then(|| self.model(now));
         let age = self.panel.channels().filter_map(|reading| reading.age).max();
+        let outages = self.panel.outages().map(|(name, outages)| (name.to_owned(), outages)).collect();
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        shared.outages = outages;
         // The last good values stay in use while a sensor is in doubt.
         shared.now.is_frozen = standing != Standing::Good;
         if let Some((model, readings)) = model {
@@ -141,7 +149,6 @@ impl Watch {
             self.condition.set_zero_at(time_s);
         }
         self.looked = Some(now);
-        let model = Model::at(&self.job.machine.machine, &self.job.machine.errors, &self.condition);
-        (Arc::new(model.with_zeros_of(&self.base)), readings.into())
+        (Arc::new(self.job.machine.model_now(&self.condition, &self.base)), readings.into())
     }
 }

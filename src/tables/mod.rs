@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::coverage::of_ranges;
 use crate::diagnostics::Diagnostics;
 use crate::disk::files::{self, is_standard_stream};
-use crate::disk::table_files::{products_assumed, tool_remark};
+use crate::disk::table_files::{numbers_assumed, products_assumed, tool_remark};
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::tool::ToolVector;
@@ -213,6 +213,9 @@ impl Tables {
         let notes = notes(machine, &request, format, &made);
         result.check = Some(made.checked);
         found.extend(misfits(format, &made.tables, &request.wiring), &[]);
+        if format.has_axis_numbers && request.wiring.assumes(&made.tables.axes()) {
+            found.add(numbers_assumed(&request.wiring.listed(&made.tables.axes())), &[]);
+        }
         if request.multiplication.is_none() && made.tables.lookups.iter().any(|one| one.factor.is_some()) {
             found.add(products_assumed("these tables"), &[]);
         }
@@ -419,6 +422,11 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
         format!("{}; measure before and after: a wrong sign doubles the errors", format.sign),
     ];
     notes.extend(shifted(&made.checked));
+    if format.has_axis_numbers {
+        let axes = made.tables.axes();
+        let about = if request.wiring.assumes(&axes) { " (assumed)" } else { "" };
+        notes.push(format!("axes{about}: {}", request.wiring.listed(&axes)));
+    }
     let sums = request.largest_sums(&made.tables);
     if !made.tables.lookups.is_empty() && !sums.is_empty() {
         let unit = |axis: &str| if axis.starts_with(['A', 'B', 'C']) { "deg" } else { "mm" };

@@ -20,8 +20,15 @@ pub(crate) struct Grbl {
     done_s: f64,
     busy_s: f64,
     is_held: bool,
-    /// Whether the first line of the ring is a dwell that waits for the planner.
-    dwells: bool,
+    /// Bytes of the first line of the ring if it waits: a dwell for the planner, the start of the spindle for its speed.
+    dwelt: usize,
+    /// Run-up of the spindle, s, and the time at which it has its speed.
+    pub(crate) runs_up_s: f64,
+    runs_until_s: Option<f64>,
+    /// Line, from 1, with which somebody moves the zero in X by 5 mm at the control.
+    pub(crate) moves_zero_at: Option<u64>,
+    /// Zero offset in force.
+    pub(crate) active: &'static str,
     is_alarmed: bool,
     /// Whether it does not know `$I`.
     is_old: bool,
@@ -64,7 +71,11 @@ impl Grbl {
             done_s: 0.0,
             busy_s,
             is_held: false,
-            dwells: false,
+            dwelt: 0,
+            runs_up_s: 0.0,
+            runs_until_s: None,
+            moves_zero_at: None,
+            active: "G54",
             is_alarmed: false,
             is_old: false,
             was_reset: false,
@@ -166,7 +177,7 @@ impl Grbl {
         self.ring.clear();
         self.line.clear();
         self.planner.clear();
-        (self.is_held, self.dwells) = (false, false);
+        (self.is_held, self.dwelt) = (false, 0);
         // With homing on, a reset locks it until it is homed.
         self.is_alarmed = self.locks;
         self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
@@ -193,8 +204,8 @@ impl Grbl {
             _ => "Run",
         };
         let state = self.state.unwrap_or(state);
-        // The line that dwells has left the ring.
-        let ring = self.ring.len() - if self.dwells { b"G4 P0.01\n".len() } else { 0 };
+        // The line that is carried out has left the ring.
+        let ring = self.ring.len() - self.dwelt;
         let free = [self.planner_size - self.planner.len(), self.ring_size - ring];
         let free = if self.tells_sizes { format!("|Bf:{},{}", free[0], free[1]) } else { String::new() };
         let (place, offset) = self.place();
@@ -232,7 +243,7 @@ impl Control for Grbl {
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
-        self.dwells = false;
+        self.dwelt = 0;
         // A line leaves the ring when the planner has room for it.
         while self.planner.len() < self.planner_size {
             let Some(byte) = self.ring.pop_front() else { break };
@@ -253,7 +264,7 @@ impl Control for Grbl {
                 }
                 self.ring.push_front(b'\n');
                 line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
-                self.dwells = true;
+                self.dwelt = b"G4 P0.01\n".len();
                 break;
             }
             if line == b"$I" {
@@ -262,7 +273,38 @@ impl Control for Grbl {
                 self.out.extend(format!("[VER:1.1h.20190830:]\r\n[OPT:V{sizes}]\r\nok\r\n").bytes());
                 continue;
             }
+            // report_ngc_parameters and report_gcode_modes of report.c.
+            if line == b"$#" || line == b"$G" {
+                let modes = format!("[GC:G0 {} G17 G21 G90 G94 M5 M9 T0 F0 S0]\r\n", self.active);
+                let said = match self.offset.filter(|_| line == b"$#") {
+                    Some([x, y, z]) => format!(
+                        "[G54:{x:.3},{y:.3},{z:.3}]\r\n[G55:0.000,0.000,0.000]\r\n[G28:0.000,0.000,0.000]\r\n\
+                         [G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n[PRB:0.000,0.000,0.000:0]\r\n"
+                    ),
+                    None => String::new(),
+                };
+                let said = if line == b"$G" { modes } else { said };
+                self.out.extend(format!("{said}ok\r\n").bytes());
+                continue;
+            }
+            // A spindle that runs up: nothing is read meanwhile, and the state stays idle.
+            if self.runs_up_s > 0.0 && line.ends_with(b"M3") {
+                // It begins when all moves before it are done.
+                let until = self.planner.is_empty().then(|| *self.runs_until_s.get_or_insert(now_s + self.runs_up_s));
+                if until.is_none_or(|until| now_s < until) {
+                    self.ring.push_front(b'\n');
+                    line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
+                    self.dwelt = line.len() + 1;
+                    break;
+                }
+            }
             self.lines += u64::from(line != b"G4 P0.01");
+            if self.moves_zero_at == Some(self.lines)
+                && let Some([x, ..]) = &mut self.offset
+            {
+                *x += 5.0;
+                (self.reports, self.moves_zero_at) = (4, None);
+            }
             if self.faults.refuses == Some(self.lines) || self.is_alarmed {
                 if !self.is_alarmed {
                     self.refused = Some(self.lines);

@@ -29,6 +29,8 @@ pub(crate) struct Marlin {
     /// Where it stands as far as it tells, and whether it answers `M114` with that.
     place: Place,
     pub(crate) tells_place: bool,
+    /// Offset in force, mm, if it answers `M114 D` with the position in both coordinates (`M114_DETAIL`).
+    pub(crate) offset: Option<[f64; 3]>,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
 }
@@ -51,6 +53,7 @@ impl Marlin {
             numbers_ok: false,
             place: Place::default(),
             tells_place: false,
+            offset: None,
             out: Vec::new(),
             executed: Vec::new(),
         }
@@ -134,9 +137,17 @@ impl Control for Marlin {
                 continue;
             }
             // `M114_Detail`: logical positions with two digits, then the counts of the steps.
-            if line == b"M114" {
-                if self.tells_place {
-                    let [x, y, z] = self.place.axes;
+            if line.starts_with(b"M114") {
+                let [x, y, z] = self.place.axes;
+                if let Some([dx, dy, dz]) = self.offset.filter(|_| line == b"M114 D") {
+                    let both = format!(
+                        "\nLogical: X:{x:8.3} Y:{y:8.3} Z:{z:8.3}\nRaw:     X:{:8.3} Y:{:8.3} Z:{:8.3}\nStepper: X:0 Y:0 Z:0 E:0\n",
+                        x + dx,
+                        y + dy,
+                        z + dz
+                    );
+                    self.out.extend(both.bytes());
+                } else if self.tells_place {
                     self.out.extend(format!("X:{x:.2} Y:{y:.2} Z:{z:.2} E:0.00 Count X:0 Y:0 Z:0\n").bytes());
                 }
                 self.ok(Some(number));
@@ -158,7 +169,7 @@ impl Control for Marlin {
             if self.buffer.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
-            let is_move = line != b"M400" && line != b"M114" && !line.starts_with(b"M118");
+            let is_move = line != b"M400" && !line.starts_with(b"M114") && !line.starts_with(b"M118");
             self.buffer.push_back((number, line));
             // The other is answered when all before it is done.
             if is_move {

@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use super::{Control, Faults};
+use super::{Control, Faults, Place};
 
 /// How long a command is on its way to the task, s.
 const DELAY_S: f64 = 0.1;
@@ -41,6 +41,17 @@ pub(crate) struct Rsh {
     busy_s: f64,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
+    /// Position in the coordinates of the program, and the tool length, mm.
+    place: Place,
+    /// Offsets of G54 and G55: X, Y, Z in mm, A and the rotation about Z in degrees. The selected one, from 0.
+    pub(crate) offsets: [[f64; 5]; 2],
+    pub(crate) selected: usize,
+    pub(crate) length: f64,
+    /// Another screen reads the messages.
+    pub(crate) has_other_screen: bool,
+    display: VecDeque<String>,
+    /// Position of A in the machine, degrees.
+    a: f64,
 }
 
 impl Rsh {
@@ -72,7 +83,64 @@ impl Rsh {
             busy_s,
             out: Vec::new(),
             executed: Vec::new(),
+            place: Place::default(),
+            offsets: [[0.0; 5]; 2],
+            selected: 0,
+            length: 0.0,
+            has_other_screen: false,
+            display: VecDeque::new(),
+            a: 0.0,
         }
+    }
+
+    /// `(debug,text #5221 …)`: the parameters have six digits (seen with 2.9).
+    fn print(&mut self, text: &str) {
+        let words = text.trim_start_matches("(debug,").trim_end_matches(')').split(' ').map(|word| {
+            let Some(name) = word.strip_prefix('#') else { return word.to_owned() };
+            let value = match name.parse::<usize>() {
+                Err(_) => 1.0,
+                Ok(5220) => 1.0 + self.selected as f64,
+                Ok(5422) => self.place.axes[2],
+                Ok(number @ 5221..=5260) => {
+                    let [x, y, z, a, r] = self.offsets[(number - 5221) / 20];
+                    [x, y, z, a, 0.0, 0.0, 0.0, 0.0, 0.0, r].get((number - 5221) % 20).copied().unwrap_or(0.0)
+                }
+                Ok(_) => 0.0,
+            };
+            format!("{value:.6}")
+        });
+        let text = words.collect::<Vec<_>>().join(" ");
+        if !self.has_other_screen {
+            self.display.push_back(text);
+        }
+    }
+
+    /// Carries out a line.
+    fn carry_out(&mut self, text: &str) {
+        for (code, system) in [("G54", 0), ("G55", 1)] {
+            if text.contains(code) && self.selected != system {
+                let of = |system: usize| self.offsets[system];
+                for axis in 0..3 {
+                    self.place.axes[axis] += of(self.selected)[axis] - of(system)[axis];
+                }
+                self.selected = system;
+            }
+        }
+        self.place.take(text.as_bytes());
+        let word = text.split_once('A').and_then(|(_, rest)| rest.split(|c: char| c.is_ascii_alphabetic()).next());
+        if let Some(a) = word.and_then(|word| word.trim().parse::<f64>().ok()) {
+            self.a = a + self.offsets[self.selected][3];
+        }
+    }
+
+    /// Commanded position without its offset, or with it.
+    fn shown_place(&self, name: &str, is_relative: bool) -> String {
+        let [x, y, z, a, _] = self.offsets[self.selected];
+        let [px, py, pz] = self.place.axes;
+        let at = [px + x, py + y, pz + z + self.length, self.a];
+        let less = if is_relative { [x, y, z, a] } else { [0.0; 4] };
+        let all = [0, 1, 2, 3].map(|k| format!("{:.6}", at[k] - less[k])).join(" ");
+        format!("{name} {all} 0.000000 0.000000")
     }
 
     fn answer(&mut self, text: &str) {
@@ -106,6 +174,9 @@ impl Rsh {
         if self.faults.refuses == Some(number) {
             return self.fail("Linear move on line 0 would exceed X's positive limit");
         }
+        if text.starts_with("(debug,") {
+            self.print(text);
+        }
         if text.starts_with('(') {
             return;
         }
@@ -136,6 +207,13 @@ impl Rsh {
             ["get", "machine"] => self.answer(if self.is_on { "MACHINE ON" } else { "MACHINE OFF" }),
             ["get", "mode"] => self.answer(&format!("MODE {}", self.mode)),
             ["get", "spindle", "0"] => self.answer(if self.turns { "SPINDLE 0 FORWARD" } else { "SPINDLE 0 OFF" }),
+            ["get", "user_linear_units"] => self.answer("USER_LINEAR_UNITS MM"),
+            ["get", "abs_cmd_pos"] => self.answer(&self.shown_place("ABS_CMD_POS", false)),
+            ["get", "rel_cmd_pos"] => self.answer(&self.shown_place("REL_CMD_POS", true)),
+            ["get", "operator_display"] => {
+                let text = self.display.pop_front().unwrap_or("OK".into());
+                self.answer(&format!("OPERATOR_DISPLAY {text}"));
+            }
             ["get", "program_status"] => {
                 self.answer(if self.is_idle() { "PROGRAM_STATUS IDLE" } else { "PROGRAM_STATUS RUNNING" });
             }
@@ -234,6 +312,9 @@ impl Control for Rsh {
             self.break_off();
         }
         if let Some((_, text)) = self.under_way.take_if(|(done_s, _)| *done_s <= now_s) {
+            if self.faults.ignored != Some(1 + self.executed.len() as u64) {
+                self.carry_out(&text);
+            }
             self.executed.push(text.into_bytes());
         }
         while self.under_way.is_none()

@@ -18,6 +18,8 @@ pub struct Detector {
     dialect: &'static Dialect,
     extensions: Vec<String>,
     mark: Regex,
+    /// Matches only the first line that is not blank and not `%` alone.
+    first_mark: Option<Regex>,
 }
 
 /// Detectors in the order in which they are asked. [`Register::default`] contains those of the dialects.
@@ -37,7 +39,7 @@ impl Detector {
     ) -> Result<Detector, String> {
         let mark = pattern(mark).map_err(|fault| format!("the pattern '{mark}' is not valid: {fault}"))?;
         let extensions = extensions.iter().map(|extension| extension.to_ascii_lowercase()).collect();
-        Ok(Detector { name: name.into(), dialect, extensions, mark })
+        Ok(Detector { name: name.into(), dialect, extensions, mark, first_mark: None })
     }
 }
 
@@ -50,7 +52,11 @@ impl Registered for Detector {
 
     fn built_in() -> Vec<Box<Self>> {
         static OF_DIALECTS: LazyLock<Vec<Detector>> = LazyLock::new(|| {
-            let of = |one: &'static Dialect| Detector::new(one.name, one, one.extensions, one.mark);
+            let of = |one: &'static Dialect| {
+                let detector = Detector::new(one.name, one, one.extensions, one.mark)?;
+                let first_mark = one.first_mark.map(pattern).transpose().map_err(|fault| fault.to_string())?;
+                Ok::<_, String>(Detector { first_mark, ..detector })
+            };
             // The patterns are constants, and tests match each of them.
             DIALECTS.iter().filter_map(|one| of(one).ok()).collect()
         });
@@ -73,7 +79,11 @@ pub fn guess_with(detectors: &Detectors, file_name: &str, bytes: &[u8]) -> Optio
                 line[start..].trim_ascii_end()
             })
         };
-        detectors.iter().find(|detector| lines().any(|line| detector.mark.is_match(line)))
+        let first = lines().find(|line| !matches!(*line, b"" | b"%"));
+        let begins = |detector: &Detector| {
+            detector.first_mark.as_ref().zip(first).is_some_and(|(mark, line)| mark.is_match(line))
+        };
+        detectors.iter().find(|&detector| begins(detector) || lines().any(|line| detector.mark.is_match(line)))
     });
     found.map(|detector| detector.dialect)
 }

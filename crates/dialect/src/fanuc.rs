@@ -13,6 +13,7 @@ pub(super) const FANUC: Dialect = Dialect {
     title: "Fanuc and compatible controls",
     extensions: &["eia", "fan"],
     mark: MARK,
+    first_mark: None,
     is_executable: true,
     block_ends: BlockEnds {
         exact: "G61",

@@ -63,8 +63,8 @@ const LANGUAGES: &[Language] = &[
     },
     Language {
         name: "a 3D printer program",
-        // `;FLAVOR:Marlin`, `M104 S200`, `G92 E0`, `G1 X10 Y5 E0.3`
-        marks: &["^;FLAVOR:", "^M(?:104|109|140|190) S", "^G92 E", "^G[01] (?-i:(?:.* )?E[-.0-9])"],
+        // `;FLAVOR:Marlin`, `M104 S200`, `G92 E0`, `G1 X10 Y5 E0.3`, `M117 Heating`
+        marks: &["^;FLAVOR:", "^M(?:104|109|140|190) S", "^G92 E", "^G[01] (?-i:(?:.* )?E[-.0-9])", "^M117 [A-Z]"],
         enough: 2,
     },
     Language {
@@ -120,6 +120,15 @@ const LANGUAGES: &[Language] = &[
         name: "a program of a Cincinnati Acramatic control",
         // `: (PGM, NAME="1001")`, `(MSG, TEXT)` alone is also LinuxCNC.
         marks: &[r"^:\s*(?:[0-9]+\s*)?\(PGM,\s*NAME="],
+        enough: 1,
+    },
+    Language {
+        name: "a program for an ISG kernel, for example of Beckhoff TwinCAT",
+        // `#SLOPE [TYPE=STEP]`, `#CONTOUR MODE [DEV PATH_DEV=0.1]`, `#TRAFO ON`, `V.P.DEPTH=3`
+        marks: &[
+            r"^(?:N[0-9]+\s*)?#(?:SLOPE\s*\[|SET SLOPE |CONTOUR MODE|TRAFO (?:ON|OFF))",
+            r"^(?:N[0-9]+\s*)?V\.[GPLS]\.[A-Z][A-Z0-9_]*\s*=",
+        ],
         enough: 1,
     },
     Language {
@@ -197,7 +206,10 @@ mod tests {
             ("N1 G15 H1\nG85 NLAP1 D4", "Okuma"),
             (";FLAVOR:Marlin\nG1 X10 Y5 E0.3", "3D printer"),
             ("m104 S200\ng92 E0", "3D printer"),
+            ("M109 S160\nM117 Heating", "3D printer"),
             ("N10 E_HEAD(1,2)", "ShopMill"),
+            ("#SLOPE[TYPE=STEP]\nG00 X1", "ISG"),
+            ("N20 V.P.DEPTH = 3", "ISG"),
             ("UNo. UNIT ADD. S.", "Mazatrol"),
             ("%FLANGE G71 *\nN10 G30 G17 X+0 Y+0 Z-20*", "DIN/ISO"),
             ("%MPF  90\nN1 @371 R52 K2 K0", "older Sinumerik"),

@@ -13,11 +13,14 @@ pub(super) const GRUNDIG: Dialect = Dialect {
     title: "Grundig / Philips / Heidenhain MillPlus",
     extensions: &["pm", "mm"],
     mark: MARK,
+    first_mark: Some(FIRST_MARK),
     is_executable: true,
     block_ends: BlockEnds::NONE,
     codes: || &CODES,
 };
 
-/// `%PM` and the other memories; a first line such as `N9001 (NAME)`; a value after `=` that begins with an E parameter, `N20 X=E1+3`: no other language has
+/// `%PM` and the other memories; a value after `=` that begins with an E parameter, `N20 X=E1+3`: no other language has
 /// parameters of this name.
-const MARK: &str = r"^(?:%\s*(?:PM|MM|TM|ZO|ZE|PO|PA|PL|MC)(?:[^A-Z_]|$)|N9[0-9]{3,}\s*(?:\(|$)|N\s*[0-9]+.*=E[0-9])";
+const MARK: &str = r"^(?:%\s*(?:PM|MM|TM|ZO|ZE|PO|PA|PL|MC)(?:[^A-Z_]|$)|N\s*[0-9]+.*=E[0-9])";
+/// `N9001 (NAME)`: further down, other languages have such block numbers.
+const FIRST_MARK: &str = r"^N9[0-9]{3,}\s*(?:\(|$)";

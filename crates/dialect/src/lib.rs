@@ -51,6 +51,8 @@ pub struct Dialect {
     pub extensions: &'static [&'static str],
     /// Pattern of lines that identify the dialect, without blanks at their ends; case is ignored.
     mark: &'static str,
+    /// A pattern that only the first line of the dialect matches.
+    first_mark: Option<&'static str>,
     /// True if programs of this dialect can be executed.
     pub is_executable: bool,
     /// Words for exact stops.
@@ -114,6 +116,8 @@ mod tests {
             ("%O0001\nN10 G0 X1", "fanuc"),
             (":1234(X)\nG0 X1", "fanuc"),
             ("G0 X1\nIF[#1EQ2]GOTO10", "fanuc"),
+            ("%\nO915100 (WARMING UP)\nN0001 (START)\nN9990\nM9", "fanuc"),
+            ("%\nN9001 (ARCS)\nN1 G17", "grundig"),
             ("\n%_N_X_MPF\n", "sinumerik"),
             ("%PM9001\n", "grundig"),
             ("% pm\nN9001", "grundig"),
@@ -129,7 +133,9 @@ mod tests {
         ] {
             assert_eq!(guess("a.nc", text.as_bytes()).map(|d| d.name), Some(name), "{text}");
         }
-        for text in ["G0 X1", "N10 G0 X1\nN20 G1 X2. F100", "", "%\nG0 X1", "#1=5", "N10 (TEXT)\nG0 X1"] {
+        for text in
+            ["G0 X1", "N10 G0 X1\nN20 G1 X2. F100", "", "%\nG0 X1", "#1=5", "N10 (TEXT)\nG0 X1", "N1 G0 X1\nN9990\nM9"]
+        {
             assert!(guess("a.nc", text.as_bytes()).is_none(), "{text}");
         }
     }

@@ -13,6 +13,7 @@ pub(super) const RS274: Dialect = Dialect {
     title: "RS274/NGC (LinuxCNC)",
     extensions: &["ngc", "gcode"],
     mark: MARK,
+    first_mark: None,
     is_executable: true,
     block_ends: BlockEnds { exact: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     codes: || &CODES,

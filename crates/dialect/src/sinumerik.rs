@@ -13,6 +13,7 @@ pub(super) const SINUMERIK: Dialect = Dialect {
     title: "Siemens Sinumerik 840D / 828D",
     extensions: &["mpf", "spf", "arc"],
     mark: MARK,
+    first_mark: None,
     is_executable: true,
     block_ends: BlockEnds {
         exact: "G60",

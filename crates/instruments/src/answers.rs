@@ -148,6 +148,16 @@ pub const OPTIONS: &[ImportOption] = &[
         },
     },
     ImportOption {
+        name: "length-sigma",
+        example: "0.5",
+        meaning: "Standard uncertainty of the calibrated length of the ball-bar by its certificate (half of U for k = 2), µm",
+        given: |of| of.length_sigma_um.is_some(),
+        set: |to, text| {
+            to.length_sigma_um = Some(positive(text.trim_end_matches("um").trim_end_matches("µm").trim())?);
+            Ok(())
+        },
+    },
+    ImportOption {
         name: "feed",
         example: "1000",
         meaning: "Feed of a ball-bar circle, mm/min",
@@ -326,6 +336,8 @@ pub struct ImportAnswers {
     pub radius_mm: Option<f64>,
     /// True if the length of a ball-bar is calibrated.
     pub is_calibrated: Option<bool>,
+    /// Standard uncertainty of the calibrated length, µm.
+    pub length_sigma_um: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
     /// Angle at the first reading of a circle by time, degrees.

@@ -7,6 +7,9 @@ use ncfix_base::csv::DecimalSign;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Span};
 
+use crate::differences::{difference, without_difference};
+use crate::numerals::may_be_thousands;
+pub use crate::numerals::number;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 
@@ -145,37 +148,6 @@ fn inside_bars(line: &str, start: usize) -> (&str, usize) {
     (inner.strip_suffix('|').unwrap_or(inner), from)
 }
 
-/// Number in a cell; `None` if the text is not a number.
-#[must_use]
-pub fn number(text: &str, decimal: DecimalSign) -> Option<f64> {
-    /// No reading is larger in any unit.
-    const MOST: f64 = 1e12;
-    let text = text.trim().replace(['\u{2212}', '\u{2013}'], "-");
-    if !text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',')) {
-        return None;
-    }
-    let plain = match decimal {
-        DecimalSign::Point => without_thousands(&text, ',', '.')?,
-        DecimalSign::Comma => without_thousands(&text, '.', ',')?.replace(',', "."),
-    };
-    if !plain.bytes().any(|byte| byte.is_ascii_digit()) {
-        return None;
-    }
-    plain.parse::<f64>().ok().filter(|value| value.is_finite() && value.abs() <= MOST)
-}
-
-/// Removes separators of thousands that a decimal sign after them proves: `1.234,56`. Without that proof the cell is not a number.
-fn without_thousands(text: &str, thousands: char, decimal: char) -> Option<String> {
-    if !text.contains(thousands) {
-        return Some(text.to_owned());
-    }
-    let (whole, _) = text.split_once(decimal)?;
-    let mut groups = whole.trim_start_matches(['+', '-']).split(thousands);
-    let is_first = groups.next().is_some_and(|first| (1..=3).contains(&first.len()));
-    let are_groups = groups.all(|group| group.len() == 3 && group.bytes().all(|byte| byte.is_ascii_digit()));
-    (is_first && are_groups && !text[whole.len()..].contains(thousands)).then(|| text.replace(thousands, ""))
-}
-
 /// True if a cell is a number in either notation.
 fn is_numeric(text: &str) -> bool {
     number(text, DecimalSign::Point).is_some() || number(text, DecimalSign::Comma).is_some()
@@ -259,18 +231,13 @@ fn score(text: &DecodedText, separator: Separator) -> usize {
     for (_, line, start) in text.lines().filter(|(_, line, _)| !is_comment(line)) {
         let cells = split(line, start, separator);
         let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
-        let numbers = cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count();
+        let numbers = cells.iter().filter(|cell| is_numeric(&cell.text)).count();
         if cells.len() >= 2 && numbers >= 1 && 2 * numbers >= filled.min(4) {
             *widths.entry(cells.len()).or_default() += 10 * numbers - (filled - numbers).min(numbers);
         }
     }
     // Blanks split every prose line, so a written separator is preferred for equal evidence.
     widths.values().copied().max().unwrap_or(0)
-}
-
-/// True for a number that has no separator in it.
-fn is_cell_number(text: &str, separator: Separator) -> bool {
-    if separator == Separator::Comma { number(text, DecimalSign::Point).is_some() } else { is_numeric(text) }
 }
 
 fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagnostic>> {
@@ -281,7 +248,7 @@ fn read(text: &DecodedText, separator: Separator) -> Result<GridTable, Box<Diagn
         .map(|(number, line, start)| GridLine { number, cells: split(line, start, separator) })
         .filter(|line| line.cells.iter().any(|cell| !cell.text.is_empty()))
         .collect();
-    let numbers = |line: &GridLine| line.cells.iter().filter(|cell| is_cell_number(&cell.text, separator)).count();
+    let numbers = |line: &GridLine| line.cells.iter().filter(|cell| is_numeric(&cell.text)).count();
     let is_row = |line: &GridLine| {
         line.cells.len() >= 2
             && numbers(line) >= 1
@@ -447,7 +414,7 @@ fn is_units(line: &GridLine, width: usize) -> bool {
 pub fn heading_of(text: &str) -> GridHeading {
     let written = text.trim().to_owned();
     let lower = written.to_lowercase();
-    let bracket = lower.find(['[', '(']).and_then(|at| {
+    let bracket = lower.match_indices(['[', '(']).find_map(|(at, _)| {
         let inner = lower[at + 1..].split([']', ')']).next()?;
         Some((lower[..at].to_owned(), ReadingUnit::find(inner)?))
     });
@@ -463,14 +430,20 @@ pub fn heading_of(text: &str) -> GridHeading {
         Some((words, unit)) => (words, Some(unit)),
         None => (lower.clone(), None),
     };
+    // The words of a sign stay in the heading as written.
+    let words = match difference(&words).map(|_| without_difference(&words)) {
+        Some(other) if other.is_empty() => "deviation".to_owned(),
+        Some(other) => other,
+        None => words,
+    };
     GridHeading { words: words.trim_matches([' ', '.', ':', '_']).to_owned(), written, unit }
 }
 
 /// Decimal sign of the numbers of a table.
+///
+/// Between commas, a number with a comma was in quotation marks: `"2,4"`. There, English programs write thousands in this way too.
 fn decimal_sign(rows: &[GridLine], separator: Separator) -> Result<DecimalSign, Box<Diagnostic>> {
-    if separator == Separator::Comma {
-        return Ok(DecimalSign::Point);
-    }
+    let mut is_sure = separator != Separator::Comma;
     let mut found: Option<(DecimalSign, &GridCell)> = None;
     for cell in rows.iter().flat_map(|row| &row.cells).filter(|cell| is_numeric(&cell.text)) {
         let sign = match (cell.text.rfind('.'), cell.text.rfind(',')) {
@@ -479,6 +452,7 @@ fn decimal_sign(rows: &[GridLine], separator: Separator) -> Result<DecimalSign, 
             (Some(_), None) => DecimalSign::Point,
             (None, None) => continue,
         };
+        is_sure |= sign == DecimalSign::Point || !may_be_thousands(&cell.text);
         match found {
             None => found = Some((sign, cell)),
             Some((other, first)) if other != sign => {
@@ -488,6 +462,12 @@ fn decimal_sign(rows: &[GridLine], separator: Separator) -> Result<DecimalSign, 
             }
             Some(_) => {}
         }
+    }
+    if let Some((DecimalSign::Comma, cell)) = found.filter(|_| !is_sure) {
+        let message =
+            format!("'{0}' may be {1} or {2}", cell.text, cell.text.replace(',', "."), cell.text.replace(',', ""));
+        let help = "export the table with a decimal point, and without separators of thousands";
+        return Err(Box::new(Diagnostic::at(Code::DATA_CELL, place(cell), message, help)));
     }
     Ok(found.map_or(DecimalSign::Point, |(sign, _)| sign))
 }

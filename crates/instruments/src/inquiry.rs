@@ -63,6 +63,8 @@ pub struct Inquiry<'a> {
     questions: Vec<ImportQuestion>,
     notes: Vec<String>,
     is_unit_stated: bool,
+    /// True if the sign says where features come from, and not which difference they are.
+    pub(crate) is_origin: bool,
     /// Options that the reader has asked for.
     used: RefCell<Vec<&'static str>>,
     /// Axes whose positions it has asked for.
@@ -85,6 +87,7 @@ impl<'a> Inquiry<'a> {
             questions: Vec::new(),
             notes: Vec::new(),
             is_unit_stated: false,
+            is_origin: false,
             used: RefCell::default(),
             used_axes: RefCell::default(),
             stated_at: Vec::new(),
@@ -116,6 +119,11 @@ impl<'a> Inquiry<'a> {
         self.answers
     }
 
+    /// True if the reader has asked for an option.
+    pub(crate) fn has_used(&self, option: &'static str) -> bool {
+        self.used.borrow().contains(&option)
+    }
+
     /// Returns the options that were given and that the reader did not ask for, with their dashes: they have no effect on these readings.
     #[must_use]
     pub fn unused(&self) -> Vec<String> {
@@ -137,7 +145,14 @@ impl<'a> Inquiry<'a> {
     pub fn ask(&mut self, option: &'static str, sentence: impl Into<String>, advice: impl Into<String>) {
         /// Beginning of the sentences about a missing fact, and of the example in an advice.
         const PARTS: [&str; 2] = ["the file does not state ", "such as "];
-        let (sentence, advice) = (sentence.into(), advice.into());
+        let (sentence, mut advice) = (sentence.into(), advice.into());
+        let is_first = self.questions.iter().all(|question| question.option != option);
+        if option == "at" && is_first && !self.answers.at.is_empty() {
+            // The option is given once, so the example has the known positions too.
+            let known: Vec<String> =
+                self.answers.at.iter().map(|(axis, value)| format!("{axis}{}", shown(*value))).collect();
+            advice = format!("{advice},{}", known.join(","));
+        }
         if let Some(first) = self.questions.iter_mut().find(|own| own.option == option && option == "at") {
             let fact = sentence.strip_prefix(PARTS[0]).unwrap_or(&sentence);
             if !first.sentence.contains(fact) {
@@ -147,7 +162,7 @@ impl<'a> Inquiry<'a> {
             }
             return;
         }
-        if self.questions.iter().all(|question| question.option != option) {
+        if is_first {
             self.questions.push(ImportQuestion { option, sentence, advice });
         }
     }
@@ -221,36 +236,6 @@ impl<'a> Inquiry<'a> {
             }
             _ => Ok(()),
         }
-    }
-
-    /// Sign of the readings. `proven` is what the file itself says, with its line; `question` describes a positive reading.
-    ///
-    /// # Errors
-    /// If the option contradicts the file.
-    pub fn sign(&mut self, proven: Option<(f64, usize)>, question: &str) -> Result<f64, ImportStop> {
-        let sign = match (self.answer("sign", |own| own.sign), proven) {
-            (Some(sign), Some((stated, line))) if sign != stated => {
-                let [said, stated] = [sign, stated].map(|sign| if sign > 0.0 { "+" } else { "-" });
-                let message = format!("--sign {said} contradicts the file, whose readings have the sign {stated}");
-                return Err(self.refused(message, "remove --sign, or correct the headings", line));
-            }
-            (Some(sign), _) => {
-                let shown = if sign > 0.0 { "+" } else { "-" };
-                self.note(format!("sign: --sign {shown}"), 0);
-                sign
-            }
-            (None, Some((sign, line))) => {
-                let how =
-                    if sign > 0.0 { "actual minus nominal" } else { "nominal minus actual: the sign is reversed" };
-                self.note(format!("sign: {how}"), line);
-                sign
-            }
-            (None, None) => {
-                self.ask("sign", question, "+, or - for the opposite");
-                1.0
-            }
-        };
-        Ok(sign)
     }
 
     /// Units that lines of the file state, with their lines.
@@ -491,19 +476,30 @@ impl<'a> Inquiry<'a> {
                 material
             }
             None => {
-                let sentence = match stated::temperatures(self.text).first() {
+                let stated = stated::temperatures(self.text).first().copied();
+                let sentence = match stated {
                     // The instrument may have converted the readings with it.
                     Some((celsius, line)) => format!(
-                        "line {line} of the file states {} °C, and not whether the readings refer to 20 °C",
-                        shown(*celsius)
+                        "line {line} of the file states {} °C, and not whether the readings refer to 20 °C: {}",
+                        shown(celsius),
+                        self.text
+                            .line(line)
+                            .chars()
+                            .filter(|c| !c.is_control())
+                            .take(MOST_QUOTED)
+                            .collect::<String>()
+                            .trim()
                     ),
                     None => format!("the file does not state the temperature of {what}"),
                 };
-                self.ask(
-                    "material",
-                    sentence,
-                    "20C if the readings refer to 20 °C, else expansion and temperature such as 11.5@26",
-                );
+                let advice = match stated {
+                    Some((celsius, _)) => format!(
+                        "20C if the software of the instrument has referred them already, else expansion of {what} (µm/m per K) and temperature, such as 11.5@{}",
+                        shown(celsius)
+                    ),
+                    None => "20C if the readings refer to 20 °C, else expansion and temperature such as 11.5@26".into(),
+                };
+                self.ask("material", sentence, advice);
                 ReadingMaterial::Reference
             }
         })

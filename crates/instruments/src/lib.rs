@@ -5,14 +5,17 @@
 //! [`ImportQuestion`]s, each with the option that answers it. Nothing is guessed, and no file is read or written here.
 
 pub mod answers;
+mod differences;
 pub mod format;
 pub mod grid;
 pub mod inquiry;
 mod kept;
+mod numerals;
 pub mod preview;
 pub mod readings;
 mod row_fact;
 mod rows;
+pub mod signs;
 mod stated;
 pub mod text;
 pub mod unit;
@@ -49,6 +52,22 @@ pub fn import(
     machine: &Machine,
     formats: &InstrumentFormats,
 ) -> Result<ImportOutcome, Box<Diagnostic>> {
+    read(text, format, answers, machine, formats).map_err(|mut found| {
+        // The line of a workbook is that of its sheet; a person looks for the cell.
+        if let Some(cell) = found.place.and_then(|place| text.cell(place)) {
+            found.message = format!("{cell}: {}", found.message);
+        }
+        found
+    })
+}
+
+fn read(
+    text: &DecodedText,
+    format: Option<&str>,
+    answers: &ImportAnswers,
+    machine: &Machine,
+    formats: &InstrumentFormats,
+) -> Result<ImportOutcome, Box<Diagnostic>> {
     let chosen = match format {
         Some(name) => formats.find(name).copied().ok_or_else(|| {
             let names: Vec<&str> = formats.names().collect();
@@ -70,6 +89,7 @@ pub fn import(
             }
             readings.check(machine, text)?;
             kept::keep(&mut inquiry, &mut readings);
+            inquiry.note_signs();
             rows::check_copies(&readings, text)?;
             Ok(ImportOutcome::Readings(Box::new(inquiry.finish(readings, chosen.name))))
         }

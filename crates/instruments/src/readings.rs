@@ -92,6 +92,8 @@ pub struct ImportedReadings {
     pub is_unit_stated: bool,
     /// Standard uncertainty of a reading, µm or µrad.
     pub sigma: Option<f64>,
+    /// True if the length of a calibrated bar has no uncertainty.
+    pub lacks_certificate: bool,
     /// Feed, mm/min.
     pub feed: Option<f64>,
     /// Further sections of the description.
@@ -123,6 +125,7 @@ impl ImportedReadings {
             is_in_order: true,
             is_unit_stated: false,
             sigma: None,
+            lacks_certificate: false,
             feed: None,
             sections: String::new(),
             sign_sentence: String::new(),
@@ -234,6 +237,14 @@ impl ImportedReadings {
         let more = if rest.is_empty() { String::new() } else { format!("; {}", rest.join("; ")) };
         let help = "export the whole file again if it was cut; if these places were not measured, the result is less certain there";
         Some(Diagnostic::nowhere(Code::IMPORT_GAP, format!("{first}{more}"), help))
+    }
+
+    /// Returns the warning about a calibrated length without its uncertainty.
+    #[must_use]
+    pub fn length_warning(&self) -> Option<Diagnostic> {
+        let message = "the length of the bar is calibrated, and its uncertainty is not stated: the interval of a scale will lack it";
+        let help = "give --length-sigma with the standard uncertainty of the certificate in µm (half of U for k = 2)";
+        self.lacks_certificate.then(|| Diagnostic::nowhere(Code::NO_CERTIFICATE, message, help))
     }
 
     /// Largest reading without its sign, µm or µrad.

@@ -32,7 +32,7 @@ pub(crate) enum RowFact {
 impl RowFact {
     /// True if the fact counts even if it is the same in all rows: without it, an option or a default would decide.
     pub(crate) fn counts_alone(self) -> bool {
-        matches!(self, RowFact::Unit | RowFact::Quantity | RowFact::Axis | RowFact::Plane)
+        matches!(self, RowFact::Unit | RowFact::Quantity | RowFact::Axis | RowFact::Plane | RowFact::Sign)
     }
 }
 

@@ -7,8 +7,21 @@ use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 
 /// Words of the body whose temperature an instrument states.
-const BODIES: &[&str] =
-    &["material", "scale", "workpiece", "werkst", "maßstab", "massstab", "matière", "pièce", "pezzo"];
+const BODIES: &[&str] = &[
+    "material",
+    "scale",
+    "workpiece",
+    "werkst",
+    "maßstab",
+    "massstab",
+    "matière",
+    "pièce",
+    "pezzo",
+    "ball-bar",
+    "ballbar",
+    "ball bar",
+    "kugelstab",
+];
 /// Words of its expansion.
 const EXPANSIONS: &[&str] = &["expansion", "ausdehnung", "dilatation", "dilatazione", "dilatación"];
 

@@ -15,6 +15,9 @@ pub const MOST_BYTES: usize = 64 << 20;
 /// Share of control characters above which a file is not text, as one in so much.
 const CONTROL_SHARE: usize = 50;
 
+/// Beginning of the encoding of a workbook.
+const WORKBOOK: &str = "workbook";
+
 /// Decoded file.
 #[derive(Clone, Debug)]
 pub struct DecodedText {
@@ -35,9 +38,10 @@ impl DecodedText {
         }
         if bytes.starts_with(ARCHIVE) && !looks_foreign(name) {
             let (sheet, text, others) = workbook::text(&bytes, MOST_BYTES).map_err(|why| {
-                refused(format!("{name} is {why}"), "save the sheet with the readings as CSV (UTF-8)")
+                let help = "turn texts into numbers in the spreadsheet program, or save the sheet with the readings as CSV (UTF-8)";
+                refused(format!("{name} is {why}"), help)
             })?;
-            let mut encoding = format!("workbook, sheet '{sheet}'");
+            let mut encoding = format!("{WORKBOOK}, sheet '{sheet}'");
             if !others.is_empty() {
                 encoding.push_str(&format!("; sheets that are not read: {}", others.join(", ")));
             }
@@ -100,6 +104,22 @@ impl DecodedText {
     pub fn place(&self, number: usize) -> Place {
         let span = number.checked_sub(1).and_then(|index| self.lines.get(index)).copied().unwrap_or_default();
         Place { file: self.source.id(), span }
+    }
+
+    /// Returns the name of a cell or of a row of a workbook, such as `C4`; `None` for a text.
+    #[must_use]
+    pub fn cell(&self, place: Place) -> Option<String> {
+        if !self.encoding.starts_with(WORKBOOK) {
+            return None;
+        }
+        let row = self.lines.partition_point(|line| line.start <= place.span.start).checked_sub(1)?;
+        let line = *self.lines.get(row)?;
+        if place.span == line {
+            return Some(format!("row {}", row + 1));
+        }
+        let before = Span { start: line.start, end: place.span.start };
+        let column = self.slice(before).matches('\t').count();
+        Some(format!("cell {}", workbook::name_of([u32::try_from(row).ok()?, u32::try_from(column).ok()?])))
     }
 
     fn slice(&self, span: Span) -> &str {

@@ -1,5 +1,6 @@
 //! Columns that a reader does not read: each is listed, or the file is refused because its rows may not be of one kind.
 
+use crate::differences::difference;
 use crate::grid::{GridHeading, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::row_fact::{ColumnValues, RowFact, row_fact};
@@ -78,6 +79,11 @@ impl Inquiry<'_> {
                 format!("the column '{written}' is not read, and its rows are of several kinds: {}", values.named());
             let help = format!("save the rows of each kind in a file of their own, and import all files; {SKIP}");
             return Err(self.refused(message, help, line));
+        }
+        if difference(&heading.written).is_some() {
+            let message =
+                format!("the column '{}' is not read, and its heading states a sign of readings", heading.written);
+            return Err(self.refused(message, format!("name the readings with --columns; {SKIP}"), line));
         }
         if fact.is_some_and(|fact| fact.counts_alone()) && !values.distinct.is_empty() {
             let message = format!(

@@ -4,6 +4,9 @@ use std::fmt::Write as _;
 use std::io::Cursor;
 
 use calamine::{DataRef, Reader as _, Xlsx};
+use ncfix_base::csv::DecimalSign;
+
+use crate::numerals::{may_be_thousands, number};
 
 /// Most cells of a sheet that are read: more than a million readings have.
 const MOST_CELLS: usize = 4_000_000;
@@ -30,9 +33,7 @@ pub(crate) fn text(bytes: &[u8], most_bytes: usize) -> Result<(String, String, V
     let mut found: Option<(String, String)> = None;
     let mut others = Vec::new();
     for name in book.sheet_names() {
-        let Ok((sheet, numbers)) = sheet(&mut book, &name, most_bytes) else {
-            return Err("a workbook with a damaged or very large sheet".into());
-        };
+        let (sheet, numbers) = sheet(&mut book, &name, most_bytes)?;
         if numbers < FEWEST_NUMBERS {
             continue;
         }
@@ -45,17 +46,126 @@ pub(crate) fn text(bytes: &[u8], most_bytes: usize) -> Result<(String, String, V
     Ok((name, sheet, others))
 }
 
+/// A number that a sheet has as text.
+#[derive(Debug)]
+struct TextNumber {
+    /// Its bytes in the text of the sheet.
+    at: std::ops::Range<usize>,
+    /// Row and column, from 0.
+    cell: [u32; 2],
+    sign: Option<DecimalSign>,
+}
+
+/// Numbers that a sheet has as text: `24,2` in a program with another language than the file.
+#[derive(Debug, Default)]
+struct TextNumbers {
+    found: Vec<TextNumber>,
+}
+
+impl TextNumbers {
+    /// Appends the text of a cell.
+    fn push(&mut self, out: &mut String, text: &str, cell: [u32; 2]) {
+        let from = out.len();
+        let plain = text.replace(['\u{2212}', '\u{2013}'], "-");
+        let is_plain = plain.trim().bytes().all(|byte| byte.is_ascii_digit() || b"+-.,".contains(&byte));
+        let [point, comma] = [DecimalSign::Point, DecimalSign::Comma].map(|sign| number(&plain, sign).is_some());
+        if !is_plain || !(point || comma) {
+            out.extend(text.chars().map(|c| if c.is_control() { ' ' } else { c }));
+            return;
+        }
+        out.push_str(plain.trim());
+        // `1,234` and `1.234` may be thousands, an integer has no sign.
+        let is_open = |separator: &str| may_be_thousands(&plain.trim().replace(separator, ","));
+        let sign = match (plain.contains('.'), plain.contains(',')) {
+            (false, false) => None,
+            (true, true) => Some(if point { DecimalSign::Point } else { DecimalSign::Comma }),
+            (true, false) => Some(DecimalSign::Point).filter(|_| !is_open(".")),
+            (false, true) => Some(DecimalSign::Comma).filter(|_| !is_open(",")),
+        };
+        self.found.push(TextNumber { at: from..out.len(), cell, sign });
+    }
+
+    /// Writes the numbers with a decimal point, as the numbers of the sheet are written.
+    ///
+    /// # Errors
+    /// If the decimal sign is not certain: the cell.
+    fn write(&self, out: &mut String) -> Result<(), String> {
+        let of = |sign: DecimalSign| self.found.iter().find(|one| one.sign == Some(sign));
+        let text = |one: &TextNumber| out.get(one.at.clone()).unwrap_or_default().to_owned();
+        let sign = match (of(DecimalSign::Point), of(DecimalSign::Comma)) {
+            (Some(point), Some(comma)) => {
+                return Err(format!(
+                    "a workbook with two decimal signs in cells with text: {} in {}, {} in {}",
+                    text(point),
+                    name_of(point.cell),
+                    text(comma),
+                    name_of(comma.cell)
+                ));
+            }
+            (Some(_), None) => DecimalSign::Point,
+            (None, Some(_)) => DecimalSign::Comma,
+            (None, None) => {
+                let is_open = |one: &&TextNumber| text(one).contains(['.', ',']);
+                match self.found.iter().find(is_open) {
+                    Some(open) => {
+                        let written = text(open);
+                        return Err(format!(
+                            "a workbook whose cell {} has '{written}' as text: it may be {} or {}",
+                            name_of(open.cell),
+                            written.replace(',', "."),
+                            written.replace([',', '.'], "")
+                        ));
+                    }
+                    None => DecimalSign::Point,
+                }
+            }
+        };
+        let (mut plain, mut from) = (String::with_capacity(out.len()), 0);
+        for one in &self.found {
+            let own = out.get(one.at.clone()).unwrap_or_default();
+            plain.push_str(out.get(from..one.at.start).unwrap_or_default());
+            plain.push_str(&match sign {
+                DecimalSign::Point => own.replace(',', ""),
+                DecimalSign::Comma => own.replace('.', "").replace(',', "."),
+            });
+            from = one.at.end;
+        }
+        plain.push_str(out.get(from..).unwrap_or_default());
+        *out = plain;
+        Ok(())
+    }
+}
+
+/// Name of a cell by its row and column from 0: `C4`.
+pub(crate) fn name_of([row, column]: [u32; 2]) -> String {
+    let (mut letters, mut rest) = (Vec::new(), column + 1);
+    while rest > 0 {
+        letters.push(b'A' + ((rest - 1) % 26) as u8);
+        rest = (rest - 1) / 26;
+    }
+    letters.reverse();
+    format!("{}{}", String::from_utf8_lossy(&letters), row + 1)
+}
+
 /// Text of a sheet, and the count of its numbers.
-fn sheet(book: &mut Xlsx<Cursor<&[u8]>>, name: &str, most_bytes: usize) -> Result<(String, usize), ()> {
-    let mut reader = book.worksheet_cells_reader(name).map_err(drop)?;
+///
+/// # Errors
+/// A sentence without a full stop.
+fn sheet(book: &mut Xlsx<Cursor<&[u8]>>, name: &str, most_bytes: usize) -> Result<(String, usize), String> {
+    /// A sheet that cannot be read.
+    fn damaged<E>(_: E) -> String {
+        "a workbook with a damaged or very large sheet".to_owned()
+    }
+    let mut reader = book.worksheet_cells_reader(name).map_err(damaged)?;
     let mut out = String::new();
+    let mut words = TextNumbers::default();
     let (mut row, mut column, mut cells, mut numbers, mut width) = (0, 0, 0usize, 0usize, 0u32);
-    while let Some(cell) = reader.next_cell().map_err(drop)? {
+    while let Some(cell) = reader.next_cell().map_err(damaged)? {
         let (own_row, own_column) = cell.get_position();
         cells += 1;
         width = width.max(own_column);
         if cells > MOST_CELLS || own_row > MOST_SIZE[0] || own_column > MOST_SIZE[1] || out.len() > most_bytes {
-            return Err(());
+            return Err(damaged(()));
         }
         while row < own_row {
             out.push('\n');
@@ -76,14 +186,16 @@ fn sheet(book: &mut Xlsx<Cursor<&[u8]>>, name: &str, most_bytes: usize) -> Resul
                 numbers += 1;
                 let _ = write!(out, "{value}");
             }
-            DataRef::String(text) => out.extend(text.chars().map(|c| if c.is_control() { ' ' } else { c })),
-            DataRef::SharedString(text) => out.extend(text.chars().map(|c| if c.is_control() { ' ' } else { c })),
+            DataRef::String(text) => words.push(&mut out, text, [own_row, own_column]),
+            DataRef::SharedString(text) => words.push(&mut out, text, [own_row, own_column]),
             _ => {}
         }
     }
+    numbers += words.found.len();
+    words.write(&mut out)?;
     // Empty cells at the end of a row are not in the file.
     if out.len() + out.lines().count() * width as usize > most_bytes {
-        return Err(());
+        return Err(damaged(()));
     }
     let padded = out.lines().map(|line| {
         format!("{line}{}\n", "\t".repeat(width as usize - line.matches('\t').count().min(width as usize)))
@@ -166,6 +278,31 @@ mod tests {
         let (name, text, others) = text(&book(), 1 << 20).unwrap();
         assert_eq!((name.as_str(), others.len()), ("Lauf", 0));
         assert_eq!(text, "Target [mm]\t1+\n0\t0.5\n100\t2.5\n");
+    }
+
+    /// Text cells of a sheet beside its numbers.
+    fn written(cells: &[&str]) -> Result<String, String> {
+        let (mut out, mut words) = (String::new(), TextNumbers::default());
+        for (row, cell) in (0..).zip(cells) {
+            words.push(&mut out, cell, [row, 2]);
+            out.push('\t');
+        }
+        words.write(&mut out).map(|()| out)
+    }
+
+    #[test]
+    fn numbers_that_are_text_get_a_decimal_point() {
+        assert_eq!(
+            written(&["24,2", "1,234", "Abw. [µm]", "1+", "\u{2212}3,5"]).unwrap(),
+            "24.2\t1.234\tAbw. [µm]\t1+\t-3.5\t"
+        );
+        assert_eq!(written(&["24.2", "1,234.5", "7"]).unwrap(), "24.2\t1234.5\t7\t");
+        assert_eq!(written(&["1.234,5", "0,125"]).unwrap(), "1234.5\t0.125\t");
+        let open = written(&["7", "1,234"]).unwrap_err();
+        assert!(open.contains("cell C2 has '1,234'") && open.contains("1.234 or 1234"), "{open}");
+        let two = written(&["24,2", "", "", "2.4"]).unwrap_err();
+        assert!(two.contains("2.4 in C4, 24,2 in C1"), "{two}");
+        assert_eq!([[0, 0], [3, 25], [9, 26], [0, 701]].map(name_of), ["A1", "Z4", "AA10", "ZZ1"]);
     }
 
     #[test]

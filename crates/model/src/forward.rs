@@ -314,6 +314,15 @@ impl Model {
         own.map_or(0.0, |own| own.component(name.direction.index()))
     }
 
+    /// Returns a motion error of an axis at a command, mm or rad; 0 for a location error, and for an axis that the machine lacks.
+    #[must_use]
+    pub fn motion(&self, name: ErrorName, command: &AxisVector, state: &State) -> f64 {
+        let mut links = self.tool_side.iter().chain(&self.workpiece_side);
+        let own = links.find(|link| Carrier::Axis(link.axis) == name.carrier && name.kind == ErrorKind::Motion);
+        let error = own.and_then(|link| link.motion_error(command, Some(state)));
+        error.map_or(0.0, |error| error.component(name.direction.index()))
+    }
+
     /// Returns tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)

@@ -144,7 +144,7 @@ impl AxisLink {
     }
 
     #[inline(always)]
-    fn motion_error(&self, command: &AxisVector, errors: Option<&State>) -> Option<Displacement> {
+    pub(super) fn motion_error(&self, command: &AxisVector, errors: Option<&State>) -> Option<Displacement> {
         let state = errors.filter(|_| !self.functions.is_empty())?;
         Some(Displacement::new(&self.functions.evaluate(self.axis, command, state)))
     }

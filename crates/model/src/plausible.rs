@@ -149,7 +149,8 @@ fn help(function: &EntryFunction, is_angle: bool, is_rotary: bool) -> String {
         (true, false) => format!(": if {slope} is in µrad/m, write {}", scientific(slope * 1e-9)),
         (_, true) => {
             format!(
-                ": if {slope} is in µ{unit} per rad, write {}",
+                ": if {slope} is in {} per rad, write {}",
+                if is_angle { "µrad" } else { "µm" },
                 scientific(slope * if is_angle { 1e-6 } else { 1e-3 })
             )
         }

@@ -130,9 +130,15 @@ impl CalibrationReport {
                 let sigmas = one.repeated.iter().map(|part| format!("{} {}", part.name, significant(part.sigma)));
                 let count: usize = one.repeated.iter().map(|part| part.repetitions).sum();
                 let sigmas = sigmas.collect::<Vec<_>>().join(", ");
+                let drifting: Vec<&str> =
+                    one.repeated.iter().filter(|part| part.has_drift).map(|part| part.name.as_str()).collect();
+                let drift = match drifting.as_slice() {
+                    [] => String::new(),
+                    names => format!("; in {} it is mostly a drift, not noise of the instrument", names.join(", ")),
+                };
                 let _ = writeln!(
                     out,
-                    "  scatter of repeated readings about the mean of each pose, {count} degrees of freedom: σ {sigmas} {unit}"
+                    "  scatter of repeated readings about the mean of each pose, {count} degrees of freedom: σ {sigmas} {unit}{drift}"
                 );
             }
             if let Some(kept) = one.kept {

@@ -74,6 +74,9 @@ pub struct CorrectionReport {
     pub max_at_file: Option<String>,
     /// File that was written, `-` for standard output; `null` if nothing was written.
     pub output: Option<String>,
+    /// Subprograms of the output; absent without them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub subprograms: Vec<String>,
     /// File with the original of a program that was corrected in place.
     pub backup: Option<String>,
     /// Review page; `null` if none was requested or written.
@@ -223,6 +226,11 @@ impl CorrectionReport {
         }
         if let Some(output) = &self.output {
             row("written", output_name(output));
+        }
+        match &self.subprograms[..] {
+            [] => {}
+            [one] => row("subprogram", one),
+            [first, .., last] => row("subprograms", &format!("{}: {first} to {last}", self.subprograms.len())),
         }
         if let Some(backup) = &self.backup {
             row("original", backup);
@@ -398,6 +406,7 @@ mod tests {
             max_at_line: Some(17),
             max_at_file: Some("part.mpf".into()),
             output: Some("out.mpf".into()),
+            subprograms: ["PART_1.SPF", "PART_2.SPF"].map(str::to_owned).into(),
             backup: Some("part.mpf.bak".into()),
             review: Some("review.html".into()),
             coverage: Some(CoverageReport { is_complete: true, is_stated: true, gaps: Vec::new() }),
@@ -426,6 +435,7 @@ mod tests {
         machine      demo
         coverage     within the measured ranges
         written      out.mpf
+        subprograms  2: PART_1.SPF to PART_2.SPF
         original     part.mpf.bak
         review       review.html
         verdict      nothing found against running it; uncertainty not known

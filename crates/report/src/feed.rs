@@ -24,6 +24,8 @@ pub enum FeedEvent {
     End,
     /// Message of the control.
     Said,
+    /// The link cannot ask for the zero offsets: a person must compare them.
+    Zero,
     /// Nothing was heard for longer than a line takes.
     Stalled,
     /// The control pauses, or resumes.
@@ -349,13 +351,24 @@ impl Status {
             let _ = writeln!(out, "control      {control}");
         }
         if let Some(lowest) = self.lowest {
-            let _ = writeln!(out, "lowest fill  {lowest} lines waiting in the control");
+            let _ = writeln!(out, "buffer       fewest lines waiting: {lowest}");
         }
         if let Some([median, most, longest]) = self.delay_us {
-            let _ = writeln!(out, "delay        {median:.0} µs median, {most:.0} µs for 99 %, {longest:.0} µs at most");
+            let _ = writeln!(
+                out,
+                "delay        of ncfix from an answer to the next line: {median:.0} µs median, {most:.0} µs for 99 %, {longest:.0} µs at most"
+            );
         }
         if self.repeats + self.stalls > 0 {
-            let _ = writeln!(out, "problems     {} lines sent again, {} times no answer", self.repeats, self.stalls);
+            let plural = |count: u64| if count == 1 { "" } else { "s" };
+            let mut problems = Vec::new();
+            if self.repeats > 0 {
+                problems.push(format!("{} line{} sent again", self.repeats, plural(self.repeats)));
+            }
+            if self.stalls > 0 {
+                problems.push(format!("no answer {} time{}", self.stalls, plural(self.stalls)));
+            }
+            let _ = writeln!(out, "problems     {}", problems.join(", "));
         }
         if let Some(confirmed) = self.confirmed {
             let _ = writeln!(out, "{}", confirmed.row(self.in_position.as_deref()));
@@ -426,6 +439,9 @@ pub struct Plan {
     pub clearance: Option<String>,
     /// Port.
     pub port: String,
+    /// True if the link cannot ask whether the machine stands still, so that a person must look.
+    #[serde(skip)]
+    pub needs_a_look: bool,
 }
 
 impl Plan {
@@ -439,6 +455,11 @@ impl Plan {
         let _ = writeln!(out, "job           {}, aborted: {ended}", self.program);
         if self.executed > 0 {
             let _ = writeln!(out, "executed      up to {}{} for certain", self.executed, in_source(self.executed_line));
+        } else if let Some(line) = self.executed_line {
+            let _ = writeln!(
+                out,
+                "executed      up to line {line} of the original for certain, in an earlier part of the job"
+            );
         } else {
             let _ = writeln!(out, "executed      nothing for certain");
         }
@@ -457,11 +478,9 @@ impl Plan {
         }
         if self.sent > self.executed {
             let [from, to] = [self.executed + 1, self.sent];
-            let _ = writeln!(
-                out,
-                "unknown       {from} to {to}{}: executed, partly executed, or not",
-                in_source(self.sent_line)
-            );
+            let until = self.sent_line.map_or(String::new(), |line| format!(" (original up to line {line})"));
+            let lines = if from == to { format!("line {to}") } else { format!("lines {from} to {to}") };
+            let _ = writeln!(out, "unknown       sent {lines}{until}: executed, partly executed, or not");
         }
         let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
         let above = self
@@ -481,9 +500,10 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nReset the control, so that no code of the job is left in force. If the position may be lost, home the machine. Check the zero point,\nand check that the first moves are free. No line is sent unless the control reports that it is idle; a link without\nsuch a report also needs --i-checked-the-machine-stands-still. Then:\n  ncfix resume {journal} --confirm {}{}",
+            "\nReset the control, so that no code of the job is left in force. If the position may be lost, home the machine. Check the zero point,\nand check that the first moves are free. No line is sent unless the control reports that it is idle; a link without\nsuch a report also needs --i-checked-the-machine-stands-still. Then:\n  ncfix resume {journal} --confirm {}{}{}",
             self.plan,
-            self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}"))
+            self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}")),
+            if self.needs_a_look { " --i-checked-the-machine-stands-still" } else { "" }
         );
         out
     }

@@ -28,7 +28,11 @@ impl FiguresReport {
     pub fn table(&self) -> String {
         let mut out = lines(&self.measurements);
         for one in self.measurements.iter().filter(|one| one.figures.is_empty()) {
-            push_row(&mut out, "no figures", &format!("{}: ISO 230 has none for its kind, {}", one.name, one.kind));
+            push_row(
+                &mut out,
+                "no figures",
+                &format!("{}: ncfix calculates none for its kind, {}", one.name, one.kind),
+            );
         }
         push_row(&mut out, "machine", &self.machine);
         out

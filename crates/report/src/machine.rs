@@ -214,10 +214,16 @@ fn uncertainty_rows(machine: &Machine, errors: &ErrorModel) -> Vec<String> {
         rows.push(format!("{name:<12}± {size} {unit}").trim_end().to_owned());
     }
     if uncertainty.is_correlated() {
-        rows.push(format!("correlated  through {} causes that the rows share", uncertainty.causes()));
+        rows.push(format!(
+            "correlated  the parameters share {} independent sources of uncertainty",
+            uncertainty.causes()
+        ));
     }
     if let Some(um) = uncertainty.unexplained_um {
-        rows.push(format!("unexplained {} µm RMS of the readings, not in the model", decimal(um)));
+        rows.push(format!(
+            "unexplained {} µm RMS: scatter of the readings that neither model nor instruments explain",
+            decimal(um)
+        ));
     }
     let unknown = unknown_of(errors, uncertainty);
     if !unknown.is_empty() {

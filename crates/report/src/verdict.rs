@@ -12,8 +12,9 @@ use super::review::Review;
 use ncfix_base::diagnostic::{Code, Severity};
 use ncfix_base::source::shown;
 
-/// Growth of the largest error, µm, up to which a person decides: the default tolerance of a correction, or an increment where there was no error.
-const MOST_GROWTH_UM: f64 = 1.0;
+/// Growth of the largest error, µm, up to which a person decides: the default tolerance of a correction, with 5 % for the path between the checked positions,
+/// and a quarter of the largest rounding error, as for `E0320`; or an increment where there was no error.
+const MOST_GROWTH_UM: f64 = 1.05;
 
 /// Grade of a verdict or reason; a larger one is worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -111,7 +112,7 @@ impl Verdict {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
             // A program in inches has larger increments than most tolerances.
-            let most_um = MOST_GROWTH_UM.max(review.rounding_um);
+            let most_um = (MOST_GROWTH_UM + 0.25 * review.rounding_um).max(review.rounding_um);
             let (grade, verb) = match (after.max_um - before.max_um > most_um, grows) {
                 (true, true) => (Grade::Bad, "increases"),
                 // The mean improves, but a place becomes worse; or the growth is that of rounding or of the tolerance.

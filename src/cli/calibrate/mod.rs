@@ -156,7 +156,7 @@ fn calibrate(
         files.add(target, prepared.residuals(&fit).as_bytes())?;
     }
     report.next = if is_poor {
-        next_line::after_poor_fit(&arguments.data, &arguments.machine, &arguments.output)
+        next_line::after_poor_fit(&arguments.data, &arguments.output)
     } else {
         next_line::after_calibration(&arguments.output, !chosen.machine.zero_offsets.is_empty())
     };

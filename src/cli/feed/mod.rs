@@ -106,7 +106,7 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
         complain(message);
     }
     if sent.may_be_resumed && !arguments.json {
-        tell(&format!("help: `ncfix resume {} --clearance HEIGHT` shows how to resume the job\n", journal.display()));
+        tell(&format!("help: {}\n", transfers::next_step(&journal, arguments.dosing.zero_now)));
     }
     Ok(code_of(sent.end))
 }
@@ -163,7 +163,11 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
         None => String::new(),
     };
     let part = program::of(&arguments.input, &arguments.program)?;
-    let found = machine_choice::choose(&arguments.machine, &arguments.input, findings)?;
+    let found = machine_choice::choose(
+        &arguments.machine,
+        machine_choice::MachineSearch::of_program(&arguments.input),
+        findings,
+    )?;
     let Some(mut machine) = found else { return Ok(None) };
     if machine.is_demo && !arguments.dry_run {
         let sentence = "the embedded demo machine is not a real machine: give --machine, or save the machine file as ncfix.toml in the folder of the program";
@@ -174,6 +178,7 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
         Some(_) => state::read(&arguments.state, &mut machine, findings)?,
         None => state::apply(&arguments.state, &mut machine, findings)?,
     };
+    findings.advise(Code::NO_TEMPERATURES, transfers::TEMPERATURES_HELP);
     part.was_corrected_before(findings);
     let Some(link) = link.filter(|_| is_read && !findings.has_errors()) else { return Ok(None) };
     let how = (&arguments.correction.options(), FeedOptions::from(arguments));

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::keys::Keys;
 use crate::cli::stop::Stop;
 use crate::cli::{print, tell, verbosity};
-use crate::feed::FeedView;
+use crate::feed::{FeedView, ShownFaults, ShownTexts};
 use ncfix_dnc::feed::Event;
 use ncfix_report::feed::{FeedEvent, Said, Status};
 use ncfix_report::json;
@@ -17,9 +17,6 @@ const REFRESH_JSON: Duration = Duration::from_secs(1);
 
 /// Shorter pauses are normal for controls with small buffers.
 const LONG_PAUSE: Duration = Duration::from_secs(2);
-/// Limits of the characters per message and of the messages of a control that are shown; the journal has all.
-const MOST_CHARACTERS: usize = 200;
-const MOST_TEXTS: u32 = 100;
 
 /// Display of a transfer.
 pub(super) struct Show {
@@ -28,11 +25,10 @@ pub(super) struct Show {
     shown: Option<Duration>,
     /// True if a line is on the terminal.
     is_drawn: bool,
-    /// Reason for the frozen correction, so that it is reported once.
-    frozen: Option<String>,
+    faults: ShownFaults,
     /// Start of a pause of the control; true if it was reported.
     paused: Option<(Duration, bool)>,
-    texts: u32,
+    texts: ShownTexts,
     keys: Keys,
 }
 
@@ -47,26 +43,17 @@ impl Show {
             is_terminal: std::io::stderr().is_terminal() && !verbosity::is_quiet(),
             shown: None,
             is_drawn: false,
-            frozen: None,
+            faults: ShownFaults::default(),
             paused: None,
-            texts: 0,
+            texts: ShownTexts::default(),
             keys: Keys::new()?,
         })
     }
 
     fn said(&mut self, text: &str, now: Duration) {
-        self.texts = self.texts.saturating_add(1);
-        if self.texts > MOST_TEXTS {
-            if self.texts == MOST_TEXTS + 1 {
-                self.say(FeedEvent::Said, now, None, "further messages of the control are only in the journal".into());
-            }
-            return;
+        if let Some(message) = self.texts.next(text) {
+            self.say(FeedEvent::Said, now, None, message);
         }
-        let mut shown: String = text.chars().take(MOST_CHARACTERS).collect();
-        if shown.len() < text.len() {
-            shown.push('…');
-        }
-        self.say(FeedEvent::Said, now, None, format!("message of the control: {shown}"));
     }
 
     /// Shows the end of the transfer.
@@ -156,25 +143,24 @@ impl FeedView for Show {
             && now.saturating_sub(*since) >= LONG_PAUSE
         {
             *is_said = true;
-            self.say(FeedEvent::Paused, now, None, "the control pauses: it is on hold, or its buffer is full".into());
-        }
-    }
-
-    fn frozen(&mut self, why: &str, now: Duration) {
-        if self.frozen.as_deref() != Some(why) {
-            self.frozen = Some(why.to_owned());
             self.say(
-                FeedEvent::Sensors,
+                FeedEvent::Paused,
                 now,
                 None,
-                format!("sensor readings are doubtful, the correction is frozen: {why}"),
+                "the control pauses: it is on hold, or its buffer is full; after M0, press cycle start".into(),
             );
         }
     }
 
+    fn frozen(&mut self, why: &str, now: Duration) {
+        if let Some(message) = self.faults.frozen(why) {
+            self.say(FeedEvent::Sensors, now, None, message);
+        }
+    }
+
     fn thawed(&mut self, now: Duration) {
-        if self.frozen.take().is_some() {
-            self.say(FeedEvent::Sensors, now, None, "the sensors are good again".into());
+        if let Some(message) = self.faults.thawed() {
+            self.say(FeedEvent::Sensors, now, None, message);
         }
     }
 

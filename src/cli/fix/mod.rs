@@ -3,7 +3,7 @@
 pub(in crate::cli) mod arguments;
 mod shift;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::arguments::FixArguments;
@@ -18,14 +18,17 @@ use crate::cli::program;
 use crate::cli::stop::Stop;
 use crate::cli::{pages, print, progress, tell};
 use crate::compare::Pair;
+use crate::correction::subprograms;
 use crate::machine::Machine;
 use crate::next_line;
 use crate::program::{Program, keep_programs};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
+use ncfix_path::emit::without_sections;
 use ncfix_report::correction::CorrectionReport;
 use ncfix_report::json;
+use ncfix_report::verdict::Grade;
 
 /// Corrects a program.
 pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
@@ -40,6 +43,10 @@ pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
         findings.draw();
         return Err(stop);
     }
+    if findings.has_errors() {
+        // There is no output that these numbers could describe.
+        report = CorrectionReport { machine: report.machine, ..CorrectionReport::default() };
+    }
     report.seconds = started.elapsed().as_secs_f64();
     if arguments.json {
         report.diagnostics = findings.json();
@@ -49,10 +56,11 @@ pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
         if findings.has_errors() {
             tell(&format!("{}; nothing was written\n", findings.count()));
         } else {
-            tell(&(report.table() + &job.next()));
+            tell(&(report.table() + &next_line::after_correction(report.verdict.is_some(), job.next())));
         }
     }
-    Ok(findings.exit_code())
+    let is_bad = report.verdict.as_ref().is_some_and(|verdict| verdict.grade == Grade::Bad);
+    Ok(if is_bad && !findings.has_errors() { ExitCode::Different } else { findings.exit_code() })
 }
 
 /// One program and the target of its correction.
@@ -75,6 +83,9 @@ impl<'a> Job<'a> {
         }
         if arguments.json && is_standard_stream(output) {
             return Err(Stop::Usage("--json and the program cannot both go to standard output; give -o a file".into()));
+        }
+        if arguments.subprograms.is_some() && is_standard_stream(output) {
+            return Err(Stop::Usage("--subprograms needs -o a file: the output can be several files".into()));
         }
         let page = arguments.review.as_deref().map(pages::file).transpose()?;
         if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
@@ -109,9 +120,12 @@ impl<'a> Job<'a> {
             program::protect(page, chosen.files.iter().chain([&arguments.input]), findings);
             self.keep_apart(page, findings);
         }
-        let Some(prepared) = correction.prepare(findings)? else { return Ok(()) };
+        let Some(mut prepared) = correction.prepare(findings)? else { return Ok(()) };
+        let folds = arguments.subprograms.map(|first| Ok::<_, Stop>((prepared.mark_sections()?, first))).transpose()?;
         let mut spool = Spool::new(self.target.clone())?;
+        let mut called = Vec::new();
         let guard = |read: &[PathBuf], findings: &mut Findings| {
+            called.extend_from_slice(read);
             program::protect_program(&self.target, read, findings);
             if arguments.in_place {
                 keep_programs(&self.target_name, findings);
@@ -123,26 +137,32 @@ impl<'a> Job<'a> {
             correction.try_wear(&self.text(&mut spool)?, findings)?;
         }
         if findings.has_errors() {
-            // There is no output that these numbers could describe.
-            *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
         let page = self.review(&chosen, &mut spool, findings, report)?;
         if findings.has_errors() {
-            *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
         let mut together = AtomicWrites::default();
         let old = if arguments.in_place { Old::Kept(self.program.bytes()) } else { Old::Replaced };
-        if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
+        if let Some(style) = folds {
+            let source = (self.program.bytes(), &called[..]);
+            let (main, beside) = subprograms::fold(&spool.text()?, style, self.output(), source, report)?;
+            correction.check_growth(report, findings);
+            if findings.has_errors() {
+                return Ok(());
+            }
+            together.add(self.target.clone(), &main)?;
+            beside.into_iter().try_for_each(|(target, text)| together.add(target, &text))?;
+        } else {
+            if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
+        }
         if let (Some(target), Some(page)) = (&self.page, page) {
             together.add(target.clone(), page.as_bytes())?;
         }
         let backup = match together.publish_first(old) {
             Err(error) if error.code() == Some(Code::NEWER_FILE) => {
                 findings.absorb(error.diagnostics().clone());
-                *report =
-                    CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
                 return Ok(());
             }
             published => published?,
@@ -171,16 +191,22 @@ impl<'a> Job<'a> {
 
     /// Refuses a page that would overwrite the program.
     fn keep_apart(&self, page: &Target, findings: &mut Findings) {
-        let output = self.arguments.output.as_ref().unwrap_or(&self.arguments.input);
+        let output = self.output();
         if *page == self.target || page.is(output) {
             let message = format!("the review would overwrite {}", self.target_name);
             findings.add(Diagnostic::nowhere(Code::WRONG_FILE, message, "choose another file for --review"), &[]);
         }
     }
 
+    /// The file of the corrected program.
+    fn output(&self) -> &Path {
+        self.arguments.output.as_ref().unwrap_or(&self.arguments.input)
+    }
+
     /// The text that was written.
     fn text(&self, spool: &mut Spool) -> Result<Source, Stop> {
-        Ok(crate::Correction::again(self.program.source(), &self.target_name, spool.text()?)?)
+        let text = without_sections(&spool.text()?);
+        Ok(crate::Correction::again(self.program.source(), &self.target_name, text)?)
     }
 
     /// Executes both programs as read and as they will be written, and returns the review page.

@@ -18,6 +18,10 @@ use ncfix_metrology::results::simulated::PlannedReadings;
 
 /// Simulates a measurement.
 pub(in crate::cli) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
+    crate::stated_zero::refuse(
+        &arguments.state.zero,
+        "readings are deviations from the commanded positions in the machine",
+    )?;
     let mut findings = Findings::default();
     let is_plan = arguments.plan.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     if !is_plan {

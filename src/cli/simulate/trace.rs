@@ -10,7 +10,6 @@ use crate::cli::output::{Spool, Target};
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, program, progress, tell};
 use crate::simulate::{Recorded, Recorder, SimulateOptions};
-use ncfix_report::number::{duration, grouped, micrometers};
 
 /// Records a program.
 pub(super) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
@@ -18,22 +17,10 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
     let result = record(arguments, &mut findings);
     findings.draw();
     match result? {
-        Some(recorded) => tell(&text(&recorded, arguments)),
+        Some(recorded) => tell(&format!("{}; written {}\n", recorded.sentence(), arguments.output.display())),
         None => tell(&format!("{}; nothing was written\n", findings.count())),
     }
     Ok(findings.exit_code())
-}
-
-/// Summary of the record, in one sentence.
-fn text(recorded: &Recorded, arguments: &SimulateArguments) -> String {
-    let [rms, max] = recorded.off_path_um().map(micrometers);
-    let place = recorded.worst.as_ref().map_or(String::new(), |place| format!(" at {place}"));
-    format!(
-        "{} rows of {} simulated, path deviation of the tool {rms} RMS, {max} maximum{place}; written {}\n",
-        grouped(recorded.rows),
-        duration(recorded.time_s),
-        arguments.output.display()
-    )
 }
 
 /// Writes both files; `None` if there are errors.

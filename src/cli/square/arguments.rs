@@ -10,8 +10,8 @@ use ncfix_base::geometry::Plane;
 /// End of `ncfix square --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Cut a rectangle without correction. d1 is its diagonal from the corner with the smallest positions to the one with the largest, d2 the other one. With \
-a square, align one leg with one axis, and move the other axis along the other leg. --dial is the change of the reading from the corner outwards, + if the \
-plunger is pressed in.
+a square, align one leg with one axis, and move the other axis along the other leg in its positive direction. --dial is the change of the reading, + if the \
+plunger is pressed in. So the corner of the square is where this axis has its smallest position.
 
 Examples:
   ncfix square --machine router.toml --d1 848.740 --d2 848.316 --side 600 --read-to 0.5 -o router_square.toml
@@ -63,13 +63,13 @@ pub(in crate::cli) struct SquareArguments {
     /// Length of the leg of a square along which an axis moves, mm
     #[arg(long, value_name = "MM", requires = "dial")]
     pub(in crate::cli) square: Option<f64>,
-    /// Change of the dial gauge along the leg, mm; + if the plunger is pressed in
+    /// Change of the dial gauge on the way along the leg in the positive direction of the axis, mm; + if the plunger is pressed in
     #[arg(long, value_name = "MM", allow_hyphen_values = true, requires = "square")]
     pub(in crate::cli) dial: Option<f64>,
     /// The plunger points in the negative direction of the other axis
     #[arg(long, requires = "dial")]
     pub(in crate::cli) plunger_negative: bool,
-    /// Fineness of your reading, as ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
+    /// Uncertainty of your reading, as ± mm (default: 0.5 for diagonals, 0.005 for a dial gauge)
     #[arg(long, value_name = "MM")]
     pub(in crate::cli) read_to: Option<f64>,
     /// The two axes

@@ -26,6 +26,7 @@ use ncfix_report::{json, page};
 
 /// Finds the step.
 pub(in crate::cli) fn run(arguments: &StepsArguments) -> Result<ExitCode, Stop> {
+    crate::stated_zero::refuse(&arguments.state.zero, "the zero adds the same displacement at both ends of a step")?;
     let started = Instant::now();
     let mut findings = Findings::default();
     let result = find(arguments, &mut findings);

@@ -665,7 +665,9 @@ temperatures can add words and digits to a line while the job runs.
 - The line has a character with another meaning: Grbl takes ! ? ~ out of the stream wherever they occur. Remove the character.
 - The control does not read the language of the program, and could move its axes elsewhere. Choose the right link.
 - The control does not execute a word over this link: over the link linuxcnc, LinuxCNC does not stop at M0, M1 and M60, and takes
-  no O words. Marlin has no tool change, and other meanings of G10, G28 and G61. End the program at M0 and send the rest later, or load the corrected program into the control.";
+  no O words. Grbl has no M6, no G43 with a number, no cycles and no variables. With the controller grbl in the machine file, cycles
+  and variables become moves. Marlin has no tool change, and other meanings of G10, G28 and G61. End the program at M0 and send
+  the rest later, or load the corrected program into the control.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The link is slower than the motion: the control would run out of lines. The axes then stop within a cut and leave marks on the
 surface. The message states the place, the lines per second that the motion needs there, and the lines per second that the link
@@ -810,13 +812,14 @@ with the programmed depths, allowances, feeds and direction, but with passes and
 precedes them in the output. Check them like those of a new program. To have the moves of the control, give ncfix its cycles as
 files (control.search_path). To let the control execute the cycle without a correction, name it in control.opaque.";
     START_ASSUMED = "W0240" "state at the start of the program assumed"
-"An RS274/NGC control keeps the unit of lengths (G20, G21) and the return of drilling cycles (G98, G99) of an earlier program or
-of its startup code. The program states one of them too late or not at all, and so does control.startup_code. ncfix assumes the
-usual start: millimeters, and G99. If the control has G20, all lengths are wrong by a factor of 25.4. If it has G98, the control
-would return to the initial level between holes. The corrected program returns only to R: a clamp may be in the way. Write the
-word at the beginning of the program, or state startup_code in [control].
+"Fanuc, Haas and RS274/NGC controls keep the unit of lengths (G20, G21) of an earlier program, of a setting or of the startup code.
+An RS274/NGC control also keeps the return of drilling cycles (G98, G99). The program states one of them too late or not at all, and
+so does control.startup_code. ncfix assumes the usual start: millimeters, and G99. The corrected program states G21. If the control
+has G20, all lengths are wrong by a factor of 25.4: Z1. is then 1 mm above the part. If it has G98, an RS274/NGC control would
+return to the initial level between holes. The corrected program returns only to R: a clamp may be in the way. Write the word at the
+beginning of the program, or state startup_code in [control].
 
-Or such a program moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
+Or a program of RS274/NGC moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
 control would move to its own position. Give the file of the control with --setup.
 
 Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set.
@@ -837,6 +840,18 @@ call for the values of the machine file. On most machines, a difference of some 
 than a micrometer. A difference of many millimeters can change it by more. Compare the measured value with that of the machine file
 after the first run. If they differ much, enter the new value there and correct the original again. Or measure in a program of its
 own, give the offsets of the control with --setup, and then correct the program that cuts.";
+    VALUE_FIXED = "W0243" "value of the control becomes a number"
+"The program reads a zero offset or a tool value of the control, and computes a position or a condition from it: Z=$TC_DP3[1,1]-80,
+IF[#2001GT100.]. The output has the number, or the branch, that the values of the machine file give. If the control has another tool
+or offset, the original would follow it, and the output does not: a retract can then be too low. Correct the program again after each
+change. With --guard, the control compares zero offsets and tool lengths before the first motion; it does not compare radii. Only
+the first such place is reported.";
+    STEPS_UNDER_G90 = "W0244" "cycle levels from G91 under G90"
+"A drilling cycle of a Fanuc or Haas began under G91, where R is counted from the initial level and the depth from R. A later hole of
+the cycle is under G90 and does not repeat R or the depth. ncfix drills it between the levels of the first hole, as it does in the
+opposite case (G90 first, then G91 X10. K5). No manual states that every control keeps the levels. A control that reads Z-12 as a
+position would drill to another depth, or move to R inside the part. Write R and the depth in the first block after G90. Only the
+first such hole is reported.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";
@@ -897,7 +912,9 @@ enough.";
     TOOL_BEYOND_MEASURED = "W0318" "tool length beyond the measured range"
 "Angular errors and rotary axes move the tool tip in proportion to the tool length. This tool is longer or shorter than all tools
 with which the machine was measured ([measured] tool_length_mm), so its error is extrapolated. The message states the extrapolated
-part. Measure with a tool or stylus of about this length and calibrate if this part is too large.";
+part. Measure with a tool or stylus of about this length and calibrate if this part is too large. With one tool length, the
+readings show the angle between two linear axes (EB0Z, EA0Z), but not the tilt of the spindle against its axis. ncfix then assumes
+that the spindle is tilted as its axis is. Measure the circles or balls with a second tool length, and calibrate with EA0S and EB0S.";
     RANGE_NOT_STATED = "W0319" "measured range of an axis not stated"
 "The machine file has a section [measured] without the range of this axis, which moves and has errors. Whether they hold at these
 positions is unknown. Add the range, as docs/reference/machine-file.md describes.";
@@ -925,11 +942,14 @@ that the control itself executes has moved the axes. The errors of the machine d
 is incomplete, and the predicted errors do not count the move. Program a position for these axes before the cut. --start gives their position at
 the beginning, and it holds until the first tool change. After a tool change, G1 moves in the plane are treated as the approach.
 State Z with a rapid move, or after G43, before you cut.";
-    ROTARY_ASSUMED = "W0324" "rotary axes assumed at 0°"
-"The program has a feed move, and neither an earlier block nor --start states the position of a rotary axis of the machine. ncfix
-takes it to be at 0°, as programs for three axes expect. If the axis is elsewhere, the workpiece is turned, and the correction
-acts in wrong directions. Program the axis before the cut, or state its position: with start_deg in the section of the axis if
-every program begins there, or with --start, which holds until the first tool change.";
+    ROTARY_ASSUMED = "W0324" "position of a rotary axis assumed"
+"The tool cuts, and the position of a rotary axis of the machine is not known. Either nothing has stated it yet, and ncfix takes it to
+be at 0°, as programs for three axes expect. Or the axis may have moved since its last motion in the program: at a reference point
+(G74), or in a program that the control executes, for example one that changes the tool. ncfix then takes it to be where the program
+moved it last; M6 itself leaves rotary axes where they are. The message states the position. If the axis is elsewhere, the workpiece is turned, and the correction acts in wrong directions.
+
+Program the axis before the cut. A position at the beginning can also be stated: with start_deg in the section of the axis if every
+program begins there, or with --start, which holds until the first tool change.";
     SHORT_BLOCKS = "W0325" "blocks shorter than the block cycle"
 "[control] block_cycle_ms states the time that the control needs to prepare a block. To stay within the tolerance, ncfix has
 divided a move into blocks that take less time at their feed. The tolerance has priority; the control slows down along these
@@ -940,6 +960,11 @@ for each.";
 longer one touches at a higher position of the axes. Without a stated length, the first tool with which the program cuts in this
 zero counts. If another tool or a probe touched, all cuts are displaced by up to the size in the message. State the length:
 --zero G54=touched@L110, or tool_length_mm in [zero_offset.NAME.set_at]. See docs/how-to/set-the-zero.md.";
+    ZERO_TURNED = "W0335" "rotary axes at the touch not stated"
+"A touched zero contains the error of the machine at the touch. On a machine with rotary axes this error depends on their angles,
+and the statement about the touch has positions of linear axes only. ncfix assumes that the rotary axes were at the zero of this
+offset. If one was at another angle, all cuts are displaced by up to the size in the message. State the angles: --zero
+G54=touched@X300,Y-198,Z-320,A0,C0,L120, or A_deg and C_deg in [zero_offset.NAME.set_at].";
     BACKWARD_TOOL = "W0327" "negative tool length"
 "A tool of the program has a negative length, as on a control whose lengths count from the machine zero or from a reference tool.
 The axis positions are then still right, but ncfix needs the distance from the gauge point of the spindle to the tip: angular errors
@@ -959,11 +984,21 @@ correction leaves it on the workpiece, and the predicted error does not contain 
 "machine check found a zero offset whose zero no tool of the machine file can reach. For X and Y, its value is outside the travel. For
 the axis along the spindle, it is outside with every tool. Mostly a sign or a digit is wrong, or the value is that of another machine.
 Compare it with the control. On a part that is longer than the travel, the value may be right.";
-    COMPONENT_NOT_SHOWN = "W0332" "positioning or straightness that no measurement shows"
+    COMPONENT_NOT_SHOWN = "W0332" "error of an axis that no measurement shows"
 "An axis moves while the tool cuts, and no reading of the calibration shows one of its errors: the positioning along its own direction (EXX), or
-its straightness across it (EYX, EZX). The list not_shown in [measured] of the machine file names them. A laser for positioning shows no
-straightness, and two measured diagonals show only a squareness. These errors are unknown, not zero: the correction leaves them on the workpiece, and the
+its straightness across it (EYX, EZX). For a rotary axis, it is the place where it stands (EX0C) or its inclination (EA0C). The list not_shown in
+[measured] of the machine file names them. A laser for positioning shows no straightness, two measured diagonals show only a squareness, and an
+autocollimator shows no place of a rotary axis. These errors are unknown, not zero: the correction leaves them on the workpiece, and the
 predicted error does not contain them. Measure them and calibrate again; circles of a ball-bar or probed balls show several at once.";
+    BARE_TOOL = "W0333" "tool cuts without its length"
+"A tool is in the spindle, and the control adds no length for it: no G43 comes before the cut, or G49, D0 or H0 has ended the length. The
+positions are right, because the zero offset then contains the length. But ncfix takes the tip to be at the gauge point of the spindle.
+Angular errors and rotary axes act over the length of the tool, like a lever. Their effect over this length is not corrected, and the
+predicted error does not contain it. The message estimates its size, with the length of this tool in the machine file or with the longest one.
+
+Program the length before the cut, and enter Z of the zero offset for it. A control without tool lengths, such as Grbl, has one tool for
+each zero offset: state the place of its tip as origin_mm in [spindle], and length_mm = 0 in [[tool]]. The longer the tool, the more negative
+is Z of origin_mm: [0, 0, -80] for 80 mm. See docs/explanation/not-corrected.md.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be detected. Add the lowest
 and the highest position of the axis, in machine coordinates.";
@@ -1102,6 +1137,21 @@ parameters have absorbed a part of it, such as the straightness of an axis or th
 but the model is wrong in other poses, and a program corrected with it can miss by several micrometers. Add the named error to --model,
 or omit --model: ncfix calibrate then fits all parameters that the readings determine. Until then, not_shown in [measured] of the machine
 file names the squareness, and ncfix fix reports W0330.";
+    UNCERTAINTY_REPLACED = "W0621" "appended uncertainty that the new file does not have"
+"The lists in [uncertainty] have more entries than their fit has parameters. So a person has appended an entry, for example for the
+certificate of a laser. ncfix calibrate writes new lists for the parameters that it fits, and cannot know whether the entry is still
+true. Add it again in the new file, at a position that no list uses yet: docs/how-to/import-an-instruments-file.md has the steps.";
+    OTHER_LETTER = "W0622" "squareness under the letter of the other axis"
+"A squareness is an angle between two axes. If both axes are on one side of the machine bed, only the location error of the axis further
+from the bed changes the angle, and the machine file has only this one. The reading has the letter of the other axis: EC0Y where
+the machine file has EC0X. ncfix uses it with the opposite sign, which is exact: if Y is rotated relative to X by 40 µrad, X is
+rotated relative to Y by -40 µrad. Check the definition of the reading. Positive is a rotation by the right-hand rule. Write the name
+of the machine file and the opposite sign, and the warning is gone.";
+    NO_CERTIFICATE = "W0623" "calibrated length without its uncertainty"
+"ncfix import reads circles of a bar of calibrated length, and neither the file nor an option states the uncertainty of this length. The
+error of a certificate is the same in all readings: 0.5 µm on a bar of 100 mm makes the scales of all axes uncertain by 5 µm/m, however
+many readings there are. Without the value, ncfix calibrate prints an interval that is too narrow. Give --length-sigma, or write
+length_sigma_um into the section [setup.A] of the description.";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or
@@ -1139,4 +1189,10 @@ intended.";
 own value, as assumed here, or in addition to it. The manuals allow both interpretations. Load one table with a visible value, check
 the effect, and state the result: --multiplication instead or beside, or table_multiplication in [machine]. Files written by ncfix
 state it themselves.";
+    AXIS_NUMBERS_ASSUMED = "W0903" "numbers of axes assumed"
+"The tables name the axes by their numbers at the control (AX4), and the machine file does not state these numbers. ncfix counts X,
+Y, Z, U, V, W, A, B, C, as far as the machine has them. On many controls a spindle has a number before the rotary axes: a table for
+A would then act on the spindle. Compare the numbers with the names of the machine axes (MD10000). State them with axis_order in
+[machine], which has - for an axis that ncfix does not know, or with --axis-name A=AX5. ncfix machine new --from reads them from an
+archive.";
 }

@@ -64,6 +64,8 @@ pub struct Lines<'a> {
     /// Model in force, if temperatures are known.
     model: Option<Arc<Model>>,
     text: Vec<u8>,
+    /// Codes that are added to the first line.
+    stated: &'a str,
     ready: VecDeque<Line>,
     /// Data of the line that the writer holds back.
     about: About,
@@ -91,12 +93,19 @@ impl<'a> Lines<'a> {
             settings,
             model: None,
             text: Vec::new(),
+            stated: "",
             ready: VecDeque::new(),
             about: About::default(),
             element: 0,
             number: 0,
             waited_s: 0.0,
         }
+    }
+
+    /// The lines with codes in the first one that the program assumes and does not state. A control keeps the codes of an earlier program.
+    #[must_use]
+    pub fn stating(self, stated: &'a str) -> Self {
+        Lines { stated, ..self }
     }
 
     /// The lines as a control gets them that does not read them as they are.
@@ -206,8 +215,12 @@ impl<'a> Lines<'a> {
         Ok(!is_first)
     }
 
-    fn push(&mut self, text: Vec<u8>, busy_s: f64) {
+    fn push(&mut self, mut text: Vec<u8>, busy_s: f64) {
         self.number += 1;
+        if self.number == 1 && !self.stated.is_empty() {
+            text.push(b' ');
+            text.extend(self.stated.bytes());
+        }
         self.ready.push_back(Line {
             number: self.number,
             text,

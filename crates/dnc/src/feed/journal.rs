@@ -8,6 +8,7 @@
 //! 0 T 24.125 nose                           temperature of a sensor, °C, valid from here on
 //! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, source line, element of the corrected program,
 //!                                           thermal correction (mm, degrees), and that of the model if different
+//! 20 O G54 100.000,100.000,-60.000          zero offsets that the control states at the start, in its unit
 //! 20 P 116 [OPT:VL,100,1024]                maximum number of blocks taken and not executed, and the words of the control
 //! 31 A 12                                   acknowledged, with all before it
 //! 31 C 11                                   certainly taken, with all before it, by evidence other than the count of answers
@@ -63,14 +64,17 @@ pub enum HeadKey {
     Lines,
     /// The folder in which it began.
     Folder,
-    /// Line from which the job was resumed.
+    /// Number of the plan by which the job was resumed.
     Resumed,
+    /// Of the parts of the job before this one: last element at which they can be resumed, last one that may have been sent, last source line that was certainly
+    /// executed.
+    Earlier,
     /// A word of the command line.
     Argument,
 }
 
 impl HeadKey {
-    const ALL: [HeadKey; 11] = [
+    const ALL: [HeadKey; 12] = [
         HeadKey::Version,
         HeadKey::Program,
         HeadKey::Machine,
@@ -81,6 +85,7 @@ impl HeadKey {
         HeadKey::Lines,
         HeadKey::Folder,
         HeadKey::Resumed,
+        HeadKey::Earlier,
         HeadKey::Argument,
     ];
 
@@ -97,6 +102,7 @@ impl HeadKey {
             HeadKey::Lines => "lines",
             HeadKey::Folder => "folder",
             HeadKey::Resumed => "resumed",
+            HeadKey::Earlier => "earlier",
             HeadKey::Argument => "argument",
         }
     }
@@ -257,6 +263,7 @@ impl<S: Store> Record for Journal<S> {
             Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
             Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
             Event::Executed(number) => self.note(now, &format!("X {number}")),
+            Event::ZeroOffsets(text) => self.note(now, &format!("O {}", text.replace(['\n', '\r'], " "))),
             Event::InPosition(axes) => self.note(now, &format!("W in position {axes}")),
             Event::Holds(most, said) => self.note(now, &format!("P {most} {}", said.replace(['\n', '\r'], " "))),
             Event::Refused(..) | Event::Lost(_) => {}
@@ -317,6 +324,8 @@ pub struct JournalContents {
     pub left: u64,
     /// Maximum number of blocks that the control may have taken and not executed, and its words; `None` if it stated nothing.
     pub holds: Option<(u64, String)>,
+    /// Zero offsets that the control stated at the start; `None` if it stated nothing.
+    pub zero_offsets: Option<String>,
     /// End of the transfer; `None` if the program died.
     pub ended: Option<JournalEnd>,
 }
@@ -406,6 +415,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
                 }
                 told.ended = Some(JournalEnd::read(rest));
             }
+            ("O", _) => told.zero_offsets = Some(rest.to_owned()),
             ("R" | "W" | "T", _) => {}
             _ => return fault("a record of an unknown kind"),
         }

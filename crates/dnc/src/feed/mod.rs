@@ -26,7 +26,9 @@ mod shown;
 mod watch;
 mod wire;
 
-pub use dialogue::{Dialogue, ELSEWHERE, Event, Halt, PROTOCOLS, Protocol, Protocols};
+pub use dialogue::{
+    Dialogue, ELSEWHERE, Event, ExpectedZero, Halt, PROTOCOLS, Protocol, Protocols, ZERO_LETTERS, ZeroValues,
+};
 pub use dosing::{Dose, DosingLimits, LineDosing};
 pub use forecast::{Forecast, Forecaster, LinkRate, Stretch};
 pub use journal::{Frozen, HeadKey, Journal, JournalContents, JournalEnd, Store, read as read_journal};

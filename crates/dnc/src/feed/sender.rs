@@ -1,5 +1,6 @@
 //! Drives a dialogue: lines from a supply, bytes to and from a port, a record of both. It never waits and has no clock.
 
+use std::fmt::Write as _;
 use std::io;
 use std::time::Duration;
 
@@ -97,7 +98,7 @@ pub enum Ended {
     Done,
     /// A person stopped it; everything sent is acknowledged, or has left.
     Stopped,
-    /// It was aborted for this reason. Lines that were sent and not acknowledged may or may not have been executed.
+    /// It was aborted for this reason. Lines that were sent and not acknowledged may have been executed, or may still be.
     Lost(String),
     /// A person or a sensor caused the axes to be held, or the lines to be discarded, for this reason. Sent lines may remain in the control.
     Held(String),
@@ -209,6 +210,18 @@ impl<'a> Sender<'a> {
         self.dialogue.remains()
     }
 
+    /// True if the control has received no byte and is not ready for lines: a transfer that ends now has changed nothing.
+    #[must_use]
+    pub fn is_untouched(&self) -> bool {
+        !self.dialogue.is_open() && self.progress.sent == 0 && self.wire.sent() == 0 && self.wire.is_empty()
+    }
+
+    /// Describes what a person must start at the control before the first line; `None` if nothing or no longer.
+    #[must_use]
+    pub fn waits_for(&self) -> Option<&'static str> {
+        self.dialogue.waits_for()
+    }
+
     /// True if bytes wait for the port.
     #[must_use]
     pub fn wants_to_write(&self) -> bool {
@@ -257,6 +270,13 @@ impl<'a> Sender<'a> {
         if matches!(self.ended, Some(Ended::Lost(_) | Ended::Refused(..))) {
             self.wire.withdraw();
         }
+        if let Some(Ended::Lost(why)) = &mut self.ended
+            && self.progress.sent > 0
+            && !why.starts_with(GONE)
+            && let Some(held) = self.dialogue.leave(&mut self.wire)
+        {
+            let _ = write!(why, "; {held}");
+        }
         if let Err(error) = self.write(port)
             && self.ended.is_none()
         {
@@ -280,6 +300,10 @@ impl<'a> Sender<'a> {
         self.is_stopped = true;
         // A line of which no byte was sent is not sent.
         self.pending = None;
+        if self.is_untouched() {
+            self.ended = Some(Ended::Stopped);
+            return Some("nothing was sent".to_owned());
+        }
         self.dialogue.halt(halt, now, &mut self.wire)
     }
 
@@ -337,7 +361,7 @@ impl<'a> Sender<'a> {
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
                 Event::Lost(why) => _ = self.ended.get_or_insert(Ended::Lost(why)),
                 Event::Reported(text) => self.progress.control = Some(text),
-                Event::Checked(_) | Event::Paused(_) | Event::Said(_) => {}
+                Event::Checked(_) | Event::Paused(_) | Event::Said(_) | Event::ZeroOffsets(_) => {}
             }
         }
         Ok(())

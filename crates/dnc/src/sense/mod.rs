@@ -12,6 +12,7 @@
 mod config;
 mod lines;
 mod monitor;
+mod outage;
 mod outlet;
 mod panel;
 pub mod source;
@@ -20,7 +21,8 @@ mod stamp;
 pub use config::{Action, ChannelUnit, Config, SensorChannel, ValueOrigin};
 pub use lines::LineReader;
 pub use monitor::{ChannelFault, ChannelReading, ChannelState, FirstAnswer, Monitor, SourceReport};
+pub use outage::SensorOutages;
 pub use outlet::ReadingOutlet;
 pub use panel::{Panel, PanelVerdict};
 pub use source::{SensorSource, SensorSources};
-pub use stamp::stamp;
+pub use stamp::{clock, stamp};

@@ -8,6 +8,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 
 use super::config::{Action, Config};
 use super::monitor::{ChannelFault, ChannelReading, ChannelState, FirstAnswer, Monitor, SourceReport};
+use super::outage::SensorOutages;
 use super::outlet::{Inlet, SourceSample, box_of};
 use super::source::{Clocked, OpenedSource};
 
@@ -40,6 +41,7 @@ struct Running {
 pub struct Panel {
     monitors: Vec<Monitor>,
     readings: Vec<ChannelReading>,
+    outages: Vec<SensorOutages>,
     running: Vec<Running>,
     clocked: Vec<Box<dyn Clocked>>,
     now: Duration,
@@ -87,7 +89,8 @@ impl Panel {
         if !findings.is_empty() {
             return Err(findings);
         }
-        Ok(Panel { monitors, readings, running, clocked, now: Duration::ZERO, samples: Vec::new() })
+        let outages = vec![SensorOutages::default(); monitors.len()];
+        Ok(Panel { monitors, readings, outages, running, clocked, now: Duration::ZERO, samples: Vec::new() })
     }
 
     /// Takes the readings that have arrived; `now` is the time since the start of the job. Never waits. Returns true if any value has changed.
@@ -123,9 +126,10 @@ impl Panel {
             }
         }
         let mut has_changed = false;
-        for (monitor, reading) in self.monitors.iter_mut().zip(&mut self.readings) {
+        for ((monitor, reading), outages) in self.monitors.iter_mut().zip(&mut self.readings).zip(&mut self.outages) {
             monitor.tick(now);
             has_changed |= monitor.show(now, reading);
+            outages.note(reading.state, now);
         }
         has_changed
     }
@@ -133,6 +137,12 @@ impl Panel {
     /// Returns all channels as they were at the last [`Panel::take`].
     pub fn channels(&self) -> impl Iterator<Item = &ChannelReading> {
         self.readings.iter()
+    }
+
+    /// Returns the names of the channels that have lost their value, with their outages.
+    pub fn outages(&self) -> impl Iterator<Item = (&str, SensorOutages)> {
+        let all = self.readings.iter().zip(&self.outages);
+        all.filter(|(_, outages)| outages.count > 0).map(|(reading, outages)| (reading.name.as_str(), *outages))
     }
 
     /// Returns the names of all channels with their first answers, as they were at the last [`Panel::take`].
@@ -152,7 +162,11 @@ impl Panel {
             let (channel, bad_for) = (monitor.channel(), monitor.bad_for(self.now).unwrap_or_default());
             let sentence = || {
                 let why = if reading.note.is_empty() { "no reading yet" } else { &reading.note };
-                format!("{} has no good value for {:.0} s: {why}", reading.name, bad_for.as_secs_f64())
+                let since = match bad_for.as_secs_f64().round() {
+                    seconds if seconds > 0.0 => format!(" for {seconds} s"),
+                    _ => String::new(),
+                };
+                format!("{} has no good value{since}: {why}", reading.name)
             };
             if bad_for >= channel.act_after && acting.as_ref().is_none_or(|(action, _)| *action < channel.action) {
                 acting = Some((channel.action, sentence()));

@@ -25,12 +25,28 @@ pub fn stamp(text: &str) -> Option<SystemTime> {
     SystemTime::UNIX_EPOCH.checked_add(since)
 }
 
+/// Returns the time of day in UTC: `12:01:07`.
+#[must_use]
+pub fn clock(time: SystemTime) -> String {
+    // `2026-03-01T12:01:07.25Z`
+    let text = Timestamp::try_from(time).map_or(String::new(), |time| time.to_string());
+    text.get(11..19).unwrap_or("--:--:--").to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn seconds(text: &str) -> Option<f64> {
         stamp(text).map(|time| time.duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64())
+    }
+
+    #[test]
+    fn a_time_of_day_has_seconds() {
+        // date -u -d @1772366467.25 +%T
+        let time = SystemTime::UNIX_EPOCH + Duration::from_millis(1_772_366_467_250);
+        assert_eq!(clock(time), "12:01:07");
+        assert_eq!(clock(SystemTime::UNIX_EPOCH), "00:00:00");
     }
 
     #[test]

@@ -17,6 +17,7 @@ use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::rows;
+use crate::signs::SignMeaning;
 use crate::text::DecodedText;
 use crate::words::{self, ColumnRole};
 use clock::CircleClock;
@@ -170,8 +171,10 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         let message = format!("the radius {} mm is not near the nominal length {} mm", shown(first), shown(radius_mm));
         return Err(inquiry.refused(message, "check --radius and --unit", raw().next().map_or(0, |row| row.2)));
     }
-    // A longer bar reads positive in every layout; a radius has no sign at all.
-    let sign = inquiry.sign(Some((1.0, line)), "")?;
+    // A longer bar reads positive in every layout unless a line says otherwise; a radius has no sign at all.
+    let is_usual = columns.is_radius || inquiry.sign_statements().is_empty();
+    let question = "is the distance of the balls longer than nominal where a reading is positive?";
+    let sign = inquiry.sign(is_usual.then_some((1.0, line)), question, SignMeaning::Difference)?;
     let mut center = [0.0; 3];
     let mut missing = Vec::new();
     for (k, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
@@ -201,8 +204,12 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     out.sigma = inquiry.answer("sigma", |own| own.sigma);
     out.feed = feed;
     let rod = bar(inquiry, is_calibrated)?;
+    let length_sigma = if is_calibrated { facts.length_sigma_um(inquiry)? } else { None };
+    let certificate = length_sigma.map_or(String::new(), |sigma| format!("length_sigma_um = {}\n", shown(sigma)));
+    out.lacks_certificate = is_calibrated && length_sigma.is_none();
     let tip: Vec<String> = (0..3).map(|k| shown(center[k] + tool[k])).collect();
-    out.sections = format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n{rod}", tip.join(", "), shown(radius_mm));
+    out.sections =
+        format!("[setup.A]\ncentre_mm = [{}]\nlength_mm = {}\n{certificate}{rod}", tip.join(", "), shown(radius_mm));
     if !is_calibrated {
         let note = "the length of the bar is an unknown, so a common scale of the axes is not identifiable (--length calibrated for a calibrated bar)";
         inquiry.note(note, 0);

@@ -8,6 +8,7 @@ use super::{InstrumentFormat, axis_columns};
 use crate::grid::{self, GridTable};
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::signs::SignMeaning;
 use crate::text::DecodedText;
 use crate::words::{self, ColumnRole};
 
@@ -106,7 +107,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
     }
     let stated = inquiry.one_unit(values.iter().map(|(column, _)| table.headings.get(*column)?.unit), line)?;
     let unit = inquiry.unit(stated, false, largest)?;
-    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?")?;
+    let sign = inquiry.sign(None, "the file does not state the sign of its readings: is the tool displaced in the positive direction, seen from the workpiece, where a reading is positive?", SignMeaning::Direction)?;
     let moved: Vec<Axis> = axes.iter().map(|(_, axis)| *axis).collect();
     let tool = inquiry.tool();
     let names = ["dx_um", "dy_um", "dz_um"];

@@ -16,6 +16,7 @@ use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
 use crate::row_fact::{RowFact, row_fact};
 use crate::rows;
+use crate::signs::SignMeaning;
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words::{self, ColumnRole};
@@ -233,7 +234,7 @@ fn tabular(inquiry: &mut Inquiry<'_>) -> Result<StatedFeatures, ImportStop> {
             );
             // Whatever the columns are, these are open too: all questions come in one round.
             position_unit(inquiry, unit, 0.0)?;
-            inquiry.sign(None, ORIGIN)?;
+            inquiry.sign(None, ORIGIN, SignMeaning::Origin)?;
             inquiry.zero(&[Axis::X, Axis::Y, Axis::Z], ZERO);
             inquiry.other_positions(&[Axis::X, Axis::Y, Axis::Z]);
             inquiry.tool();
@@ -344,7 +345,7 @@ fn displacement(
     let quarters = inquiry.quarter_turns();
     let features: Vec<Feature> = features.into_iter().map(|feature| feature.turned(quarters)).collect();
     let unit = position_unit(inquiry, unit, largest)?;
-    let sign = inquiry.sign(None, ORIGIN)?;
+    let sign = inquiry.sign(None, ORIGIN, SignMeaning::Origin)?;
     let axes: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z]
         .into_iter()
         .enumerate()

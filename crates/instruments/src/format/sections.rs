@@ -45,6 +45,7 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         let numbers: Option<Vec<f64>> =
             body.split_whitespace().map(|cell| grid::number(cell, DecimalSign::Point)).collect();
         if let Some((key, value)) = body.split_once(':') {
+            facts.note_component(body, number);
             let key = key.trim().to_lowercase();
             is_list = key.starts_with("targets");
             if key.contains("count") && section.starts_with("TARGET") {

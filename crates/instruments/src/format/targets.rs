@@ -248,6 +248,7 @@ fn collect(
         }
         let units = series.iter().map(|(index, _, _)| headings.get(*index)?.unit);
         facts.unit = inquiry.one_unit(units, line)?.or(facts.unit);
+        inquiry.check_signs(table, &series.iter().map(|(index, ..)| *index).collect::<Vec<_>>())?;
         for (index, run, sense) in series {
             let mut own = Vec::new();
             for row in &table.rows {
@@ -292,6 +293,7 @@ fn collect(
         );
         return Err(rest(inquiry, facts));
     }
+    inquiry.check_signs(table, &value_columns.iter().map(|(index, _)| *index).collect::<Vec<_>>())?;
     facts.unit = value_columns.iter().find_map(|(index, _)| unit_of(*index)).or(facts.unit);
     let is_difference = components.is_empty() && deviation.is_none();
     if let Some(actual) = actual {

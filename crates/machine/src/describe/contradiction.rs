@@ -32,6 +32,13 @@ pub fn contradictions(name: &str, bytes: &[u8], machine: &Machine) -> Vec<String
         }
     }
     out.extend(facts.notes.iter().filter(|note| note.contains("MD20150")).cloned());
+    if let Some(shift) = &facts.zero_shift_mm {
+        let [x, y, z] = shift.value;
+        out.push(format!(
+            "{}: TRAORI shifts the zero of the workpiece by ({x}, {y}, {z}) mm, and the zero offsets of these data do not contain this shift: a program under TRAORI is corrected for a place that is as far away",
+            origin(shift)
+        ));
+    }
     // With an own gauge point, the machine file may count from another origin.
     if machine.spindle.origin_mm == Vector::zeros() {
         out.extend(ROTARY_AXES.into_iter().filter_map(|axis| rotary(axis, &facts, machine)));

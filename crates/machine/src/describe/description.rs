@@ -1,5 +1,7 @@
 //! Description of a machine: statements, data of the control and assumed values for the axes of a template.
 
+use std::collections::BTreeMap;
+
 use super::data::ControlFacts;
 use super::known::{Known, KnownOrigin, signed};
 use super::stated::{StatedPivot, StatedSense, StatedTravel, TravelRange};
@@ -52,6 +54,8 @@ pub struct Description {
     pub control: Known<String>,
     /// Axes, from the workpiece to the tool.
     pub axes: Vec<AxisDescription>,
+    /// Axes in the order of their numbers at the control, if the data state them; `None` is an axis that the machine does not have.
+    pub axis_order: Option<Known<Vec<Option<Axis>>>>,
     /// Unit of the files in which the control saves offsets and tools.
     pub saved_unit: Option<Known<&'static str>>,
     /// Increments into which the control divides a millimeter.
@@ -118,6 +122,7 @@ impl DescriptionRequest {
         let unit = |text: &String| if text.as_str() == "inch" { "inch" } else { "mm" };
         let stated = self.saved_unit.as_ref().map(|text| Known { value: unit(text), origin: KnownOrigin::Stated });
         let saved_unit = stated.or_else(|| self.facts.saved_unit.clone());
+        let axis_order = self.facts.axis_numbers.as_ref().and_then(|numbers| axis_order(numbers, &axes));
         let increments_per_mm = self.facts.increments_per_mm.clone();
         let tool_change_moves = self.facts.tool_change_moves.clone();
         let startup_code = self.facts.startup_code.clone();
@@ -127,6 +132,7 @@ impl DescriptionRequest {
             topology,
             control,
             axes,
+            axis_order,
             saved_unit,
             increments_per_mm,
             tool_change_moves,
@@ -304,4 +310,16 @@ impl AxisDescription {
     pub fn vector(&self) -> Vector {
         Vector::from(self.direction.value)
     }
+}
+
+/// The axes of a machine in the order of their numbers at the control; `None` if an axis has no number, or the order is the usual one of three axes.
+fn axis_order(numbers: &Known<BTreeMap<usize, Axis>>, axes: &[AxisDescription]) -> Option<Known<Vec<Option<Axis>>>> {
+    let has = |axis: Axis| axes.iter().any(|described| described.axis == axis);
+    let own: BTreeMap<usize, Axis> =
+        numbers.value.iter().filter(|(_, axis)| has(**axis)).map(|(number, axis)| (*number, *axis)).collect();
+    let last = *own.keys().next_back()?;
+    let order: Vec<Option<Axis>> = (1..=last).map(|number| own.get(&number).copied()).collect();
+    let is_whole = axes.iter().all(|described| order.contains(&Some(described.axis)));
+    let is_usual = order == [Axis::X, Axis::Y, Axis::Z].map(Some);
+    (is_whole && !is_usual).then(|| Known { value: order, origin: numbers.origin.clone() })
 }

@@ -112,17 +112,24 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
     ActiveTables { files, multiplication, control: None, is_offline }
 }
 
+/// Name in `axis_order` of an axis of the control that the machine file does not have, such as a spindle.
+pub(crate) const OTHER_AXIS: &str = "-";
+
 /// Reads the axes in the order of their numbers in the control.
-pub(super) fn read_axis_order(section: &mut Section<'_>) -> Vec<Axis> {
+pub(super) fn read_axis_order(section: &mut Section<'_>) -> Vec<Option<Axis>> {
     let letters = section.texts("axis_order").unwrap_or_default();
     let mut order = Vec::new();
     for (index, letter) in letters.iter().enumerate() {
+        if *letter == OTHER_AXIS {
+            order.push(None);
+            continue;
+        }
         let axis = if let [letter] = letter.as_bytes() { Axis::from_letter(*letter) } else { None };
-        match axis.filter(|axis| !order.contains(axis)) {
-            Some(axis) => order.push(axis),
+        match axis.filter(|axis| !order.contains(&Some(*axis))) {
+            Some(axis) => order.push(Some(axis)),
             None => {
                 let place = section.place_of_item("axis_order", index);
-                let help = "write each axis once, in the order of AX1, AX2 …: [\"X\", \"Y\", \"Z\", \"A\", \"C\"]";
+                let help = "write each axis once, in the order of AX1, AX2 …, and \"-\" for a spindle or another axis that this file does not have: [\"X\", \"Y\", \"Z\", \"-\", \"A\", \"C\"]";
                 section.report(Code::BAD_VALUE, place, format!("'{letter}' is not an axis, or is given twice"), help);
             }
         }

@@ -198,7 +198,7 @@ struct MachineHeading {
     starts_with_g98: bool,
     reference_temperature_c: f64,
     active_tables: ActiveTables,
-    axis_order: Vec<Axis>,
+    axis_order: Vec<Option<Axis>>,
 }
 
 fn read_heading(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> MachineHeading {

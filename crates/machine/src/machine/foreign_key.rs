@@ -43,6 +43,7 @@ const KEYS: &[(&[&str], &[&str])] = &[
             "dwell_turns",
             "dwell_with_point",
             "increment_system",
+            "least_arc_feed_percent",
             "length_compensation",
             "macro_codes",
             "one_axis_in_rotation",

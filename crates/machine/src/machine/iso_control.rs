@@ -105,6 +105,9 @@ pub struct IsoControl {
     pub word_meaning: Option<WordMeaning>,
     /// True if the control compares the radii at start and end of an arc (Fanuc parameter 3410 is not 0).
     pub checks_arc_radii: bool,
+    /// Smallest feed to which the control reduces F in an inner arc beside which the tool moves by G41 or G42, percent of F: setting 44 of a Haas,
+    /// parameter 1710 of a Fanuc. 100: F stays.
+    pub least_arc_feed_percent: u8,
     /// True if tip coordinates are those of the work offset on a table at zero, wherever the table is at G43.4.
     pub tip_of_table_at_zero: bool,
 }
@@ -127,6 +130,8 @@ impl IsoControl {
         self.word_meaning = Some(WordMeaning::Haas);
         // A Haas taps rigidly.
         self.rigid_tapping = Some(true);
+        // The chapter on cutter compensation in the manual of Haas (Mill Operator's Manual): in inner arcs the speed at the contour stays, down to setting 44.
+        self.least_arc_feed_percent = 1;
         // The example of G234 in the manual of Haas (Mill Operator's Manual) turns both rotary axes before G234.
         self.tip_of_table_at_zero = true;
     }
@@ -151,6 +156,7 @@ impl Default for IsoControl {
             is_mill: false,
             word_meaning: None,
             checks_arc_radii: true,
+            least_arc_feed_percent: 100,
             tip_of_table_at_zero: false,
         }
     }
@@ -214,6 +220,17 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
                 let message = format!("{key} must not be negative, found {value}");
                 section.report(Code::BAD_VALUE, section.place_of(key), message, "give a distance in mm");
             }
+        }
+    }
+    match section.number("least_arc_feed_percent") {
+        None => {}
+        Some(value) if (1.0..=100.0).contains(&value) && value.fract() == 0.0 => {
+            iso.least_arc_feed_percent = value as u8
+        }
+        Some(value) => {
+            let message = format!("least_arc_feed_percent must be a whole number from 1 to 100, found {value}");
+            let help = "give setting 44 of a Haas; 100: F stays in inner arcs with G41 and G42";
+            section.report(Code::BAD_VALUE, section.place_of("least_arc_feed_percent"), message, help);
         }
     }
     match section.text("orient_shift").map(str::as_bytes) {

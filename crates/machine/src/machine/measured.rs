@@ -137,12 +137,12 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges.instruments = section.texts("instruments").unwrap_or_default();
     ranges.residual_um = section.number_where("residual_um", "a number that is not negative", |um| um >= 0.0);
     if let Some(names) = section.texts(NOT_SHOWN) {
-        let (own, others): (Vec<String>, Vec<String>) =
-            names.into_iter().partition(|name| is_squareness(name, axes) || is_translation(name, axes));
+        let is_own = |name: &String| is_squareness(name, axes) || is_translation(name, axes) || is_place(name, axes);
+        let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(is_own);
         ranges.not_shown = Some(own);
         for name in others {
             let message = format!(
-                "{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine"
+                "{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine, and no place of a rotary axis"
             );
             let help = "write the names of such errors, for example [\"EC0Y\", \"EZX\"]";
             section.report(Code::BAD_VALUE, section.place_of(NOT_SHOWN), message, help);
@@ -157,6 +157,12 @@ fn is_translation(name: &str, axes: AxisSet) -> bool {
     axes.iter()
         .filter(|axis| !axis.is_rotary())
         .any(|axis| ['X', 'Y', 'Z'].iter().any(|along| name == format!("E{along}{axis}")))
+}
+
+/// True for a location error of a rotary axis of the machine, or of the spindle: `EX0C`, `EB0S`.
+fn is_place(name: &str, axes: AxisSet) -> bool {
+    let rotary = axes.iter().filter(|axis| axis.is_rotary()).map(|axis| axis.to_string());
+    rotary.chain(["S".to_owned()]).any(|of| "XYZABC".chars().any(|along| name == format!("E{along}0{of}")))
 }
 
 /// True for the rotation of a linear axis of the machine about another axis: `EC0Y`.
@@ -241,9 +247,9 @@ mod tests {
         assert!(!read_text(bare).0.written_into(bare).unwrap().contains("not_shown"));
         let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EZX\", \"EXX\"]\n");
         assert_eq!((findings.len(), ranges.not_shown.map_or(0, |names| names.len())), (0, 2));
-        // Two rolls, a tilt of a rotary axis, an axis that the machine lacks.
+        // Two rolls, the place of a rotary axis, which can be listed, and an axis that the machine lacks.
         let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EAX\", \"EA0X\", \"EA0C\", \"EC0Y\"]\n");
-        assert_eq!((findings.len(), ranges.not_shown), (4, Some(Vec::new())), "{findings:?}");
+        assert_eq!((findings.len(), ranges.not_shown), (3, Some(vec!["EA0C".to_owned()])), "{findings:?}");
     }
 
     #[test]

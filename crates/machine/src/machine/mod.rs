@@ -41,6 +41,7 @@ mod travel;
 pub mod uncertainty;
 pub mod zero_offset;
 
+pub(crate) use active::OTHER_AXIS;
 pub use active::{ActiveCompensation, ActiveTables, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};
 pub use clamp::Clamp;
@@ -113,8 +114,9 @@ pub struct Machine {
     pub gud: BTreeMap<String, Setting>,
     /// Active compensation tables of the control.
     pub active_tables: ActiveTables,
-    /// Axes in the order of their numbers in the tables of the control (AX1, AX2 …). Empty means X Y Z U V W A B C, as far as they exist.
-    pub axis_order: Vec<Axis>,
+    /// Axes in the order of their numbers in the tables of the control (AX1, AX2 …); `None` is an axis that ncfix does not know, such as a spindle. Empty means
+    /// X Y Z U V W A B C, as far as they exist.
+    pub axis_order: Vec<Option<Axis>>,
     /// Strain gauge that weighs workpieces.
     pub strain: Option<StrainGauge>,
     /// Sensors that show the weight of a workpiece at once.

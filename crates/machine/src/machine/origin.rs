@@ -109,6 +109,8 @@ pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec
             rows.extend(OF_CONTROL.iter().map(own));
             let fresh = super::output_control::of_controller(&machine.controller);
             rows.push(("increment_mm".into(), fresh.increment_mm.to_string()));
+            let least = if machine.control.iso.is_haas() { 1 } else { 100 };
+            rows.push(("least_arc_feed_percent".into(), least.to_string()));
             // Both increments have an equal number of decimals.
             rows.push(("increment_deg".into(), fresh.increment_mm.to_string()));
         }
@@ -126,6 +128,38 @@ pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec
         _ => {}
     }
     rows
+}
+
+/// Required keys of sections that many files state in the wrong one.
+const REQUIRED: &[(&str, &[&str])] = &[
+    ("machine", &["topology"]),
+    ("axis", &["direction", "travel_mm", "travel_deg", "max_feed_mm_min", "max_feed_deg_min"]),
+    ("tool", &["length_mm"]),
+];
+
+/// Sections of a machine file that a person can take for another one. Those of other files have keys of their own.
+const MISTAKEN: [&str; 7] = ["machine", "control", "axis", "spindle", "head", "tool", "zero_offset"];
+
+/// Returns the one section of a machine file that has a key, as a file writes it: `[machine]` for `topology`. None if several have it, if none has, or if
+/// `title` is not a section of the machine that lacks it.
+pub(super) fn home_of(key: &str, title: &str) -> Option<String> {
+    let section = kind_of(title.trim_matches(['[', ']']));
+    if !MISTAKEN.contains(&section.as_str()) {
+        return None;
+    }
+    let title = |name: &str| match name {
+        "axis" => "[axis.X]".to_owned(),
+        "zero_offset" => "[zero_offset.G54]".to_owned(),
+        "tool" | "head" | "segment" => format!("[[{name}]]"),
+        _ => format!("[{name}]"),
+    };
+    let is_key = |rows: &[(&str, &str)]| rows.iter().any(|row| row.0 == key);
+    let with_default = OF_SECTIONS.iter().filter(|(_, rows)| is_key(rows)).map(|(name, _)| title(name));
+    let of_control = is_key(OF_CONTROL).then(|| title("control"));
+    let required = REQUIRED.iter().filter(|(_, keys)| keys.contains(&key)).map(|(name, _)| title(name));
+    let mut homes = with_default.chain(of_control).chain(required);
+    let home = homes.next().filter(|_| homes.next().is_none())?;
+    (kind_of(home.trim_matches(['[', ']'])) != section).then_some(home)
 }
 
 /// Removes names and numbers: `axis.X` is an `axis`, `drift[2].sensors[1]` are `drift.sensors`.
@@ -282,6 +316,26 @@ mod tests {
                 assert!(listed.iter().any(|(name, _)| name == key), "{section} {key}");
             }
         }
+    }
+
+    #[test]
+    fn a_key_in_the_wrong_section_is_sent_home() {
+        let cases = [
+            ("control", "active_tables = []", "move it to [machine]"),
+            ("machine", "initial_plane = 18", "move it to [control]"),
+            ("zero_offset.G54", "travel_mm = [0, 1]", "move it to [axis.X]"),
+            ("axis.X", "length_mm = 5", "move it to [[tool]]"),
+        ];
+        for (section, line, help) in cases {
+            let of = |other: &str| if other == section { format!("{line}\n") } else { String::new() };
+            let source = Source::new(FileId(0), "m.toml", text("sinumerik", of).into_bytes()).unwrap();
+            let (_, findings) = read_machine(&Document::parse(&source).unwrap());
+            let unknown = findings.iter().filter(|finding| finding.message.starts_with("unknown key"));
+            let found: Vec<&str> = unknown.map(|finding| finding.help.as_str()).collect();
+            assert_eq!(found, [help], "{section}: {line}");
+        }
+        // The files of sensors and readings have sections of their own.
+        assert_eq!(home_of("radius_mm", "[channel.T]"), None);
     }
 
     #[test]

@@ -337,7 +337,9 @@ impl<'a> Section<'a> {
             // A value without its unit is meant to act, so it is not to be removed.
             let with_unit = format!("{}_", entry.key);
             let meant = known.iter().find(|key| key.starts_with(&with_unit)).copied();
+            let home = super::origin::home_of(&entry.key, &self.title);
             let help = match meant.or_else(|| nearest(&entry.key, known.iter().copied())) {
+                _ if home.is_some() => format!("move it to {}", home.unwrap_or_default()),
                 Some(known) => format!("did you mean `{known}`?"),
                 None if known.is_empty() => "remove it".into(),
                 None => format!("remove it; known here: {}", known.join(", ")),

@@ -3,11 +3,16 @@
 //! Feed moves count, from their start to their end. Rapid moves count only in a program without feed moves, because a retract to the end of the travel makes
 //! no surface.
 
+mod bare_tool;
+
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+pub use bare_tool::BareTool;
+
 use super::motion_mode::MotionMode;
 use super::{Element, Kind, Move, Origin, Word, WordValue};
+use bare_tool::BareTools;
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Matrix, Vector};
 
 /// Angle between points of an arc in a tilted plane, rad: the path exceeds them by a thousandth of the radius.
@@ -34,8 +39,31 @@ pub struct PathExtent {
     is_changed: bool,
     /// First feed move of that time, its axes and the tool there: an approach, if Z is stated by a rapid move or with another tool length.
     approach: Option<(Origin, AxisSet, Vector)>,
-    /// First feed move at which the position of axes other than X, Y and Z is not known, and these axes, whether a machine has them or not.
-    unstated: Option<(Origin, AxisSet)>,
+    /// True from M6 to the first loss of positions or motion: that loss is the one of the tool change.
+    is_loss_of_change: bool,
+    /// Axes other than X, Y and Z with a place that only M6 has made uncertain. A tool changer moves the linear axes.
+    kept: AxisSet,
+    /// Axes other than X, Y and Z with a place before the last loss of all positions, until a motion.
+    before_change: AxisSet,
+    /// Axes that the stream has moved, or whose position something else has changed.
+    moved: AxisSet,
+    /// First feed moves at which the position of axes other than X, Y and Z is not known, whether a machine has them or not.
+    assumed: Vec<AssumedAxis>,
+    /// Tools that cut without a length.
+    bare: BareTools,
+}
+
+/// A feed move at which the position of an axis is not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssumedAxis {
+    /// Place of the move.
+    pub origin: Origin,
+    /// The axis.
+    pub axis: Axis,
+    /// Position that counts as that of the axis, mm or rad: the last one of the stream, or 0.
+    pub position: f64,
+    /// True if the axis has moved since the beginning.
+    pub has_moved: bool,
 }
 
 /// True for the word that changes the tool.
@@ -140,12 +168,23 @@ impl Default for PathExtent {
             unknown: None,
             is_changed: false,
             approach: None,
-            unstated: None,
+            is_loss_of_change: false,
+            kept: AxisSet::EMPTY,
+            before_change: AxisSet::EMPTY,
+            moved: AxisSet::EMPTY,
+            assumed: Vec::new(),
+            bare: BareTools::default(),
         }
     }
 }
 
 impl PathExtent {
+    /// An extent before the first element; `changes_at_t` if T changes the tool, and not M6.
+    #[must_use]
+    pub fn new(changes_at_t: bool) -> PathExtent {
+        PathExtent { bare: BareTools::new(changes_at_t), ..PathExtent::default() }
+    }
+
     /// Adds an element.
     pub fn see(&mut self, element: &Element) {
         match &element.kind {
@@ -154,12 +193,23 @@ impl PathExtent {
                 (self.tool_mm, self.zero, self.head) = (setup.tool_mm, setup.zero, setup.head);
             }
             Kind::Lost(axes) => {
+                let before = self.known.union(self.kept).difference(AxisSet::XYZ);
+                let is_of_change = std::mem::take(&mut self.is_loss_of_change);
+                self.kept = if is_of_change { before } else { self.kept.difference(*axes) };
+                // The word may follow.
+                let is_of_all = AxisSet::XYZ.difference(*axes) == AxisSet::EMPTY;
+                self.before_change = if is_of_all { before } else { AxisSet::EMPTY };
                 self.known = self.known.difference(*axes);
+                // A tool change moves the linear axes; a reference point approach names its axes.
+                if !is_of_change && *axes != AxisSet::ALL {
+                    self.moved = self.moved.union(*axes);
+                }
                 if self.approach.is_some() {
                     self.end_approach(false);
                 }
             }
             Kind::Before(words) | Kind::After(words) if words.iter().any(is_change) => self.change_tool(),
+            Kind::Tool(word) => self.bare.select(word),
             _ => {}
         }
     }
@@ -172,8 +222,12 @@ impl PathExtent {
     }
 
     fn change_tool(&mut self) {
+        self.bare.change();
         self.end_approach(false);
         self.is_changed = true;
+        self.is_loss_of_change = true;
+        let before = self.known.union(std::mem::take(&mut self.before_change));
+        self.kept = self.kept.union(before.difference(AxisSet::XYZ));
     }
 
     /// Returns the last position, mm and rad; that of unknown axes has no meaning.
@@ -224,14 +278,32 @@ impl PathExtent {
                 self.unknown = self.unknown.or(Some((origin, unknown)));
             }
         }
-        let unstated = AxisSet::ALL.difference(AxisSet::XYZ).difference(motion.known);
-        if is_feed && self.unstated.is_none() && unstated != AxisSet::EMPTY {
-            self.unstated = Some((origin, unstated));
+        let changes = |axis: &Axis| motion.target[*axis] != self.last[*axis];
+        self.moved = self.moved.union(motion.named).union(self.known.iter().filter(changes).collect());
+        self.is_loss_of_change = false;
+        self.before_change = AxisSet::EMPTY;
+        self.kept = self.kept.difference(motion.known);
+        if is_feed {
+            self.assume(motion, origin);
+            if self.tool_mm == Vector::zeros() {
+                self.bare.cut(origin);
+            }
         }
         self.zeros.extend(self.zero);
         self.heads.insert((self.head, self.zero));
         self.last = motion.target;
         self.known = motion.known;
+    }
+
+    /// Notes the axes with an unknown position at a feed move.
+    fn assume(&mut self, motion: &Move, origin: Origin) {
+        let unknown = AxisSet::ALL.difference(AxisSet::XYZ).difference(motion.known);
+        for axis in unknown.difference(self.kept).iter() {
+            let has_moved = self.moved.contains(axis);
+            if !self.assumed.iter().any(|one| one.axis == axis && one.has_moved == has_moved) {
+                self.assumed.push(AssumedAxis { origin, axis, position: motion.target[axis], has_moved });
+            }
+        }
     }
 
     /// Returns the first feed move after which the position of a linear axis is not known, and these axes: neither the program nor a start position states it,
@@ -241,12 +313,16 @@ impl PathExtent {
         self.unknown.or(self.approach.map(|(origin, axes, _)| (origin, axes)))
     }
 
-    /// Returns the first feed move at which the position of some of these axes is not known, and these axes. They are taken to be at 0.
+    /// Returns the first feed moves at which the position of some of these axes is not known, and what counts as their position. At most two for each axis: one
+    /// before it has moved, unless it is in `begun`, the axes with a known place at the beginning, and one after that.
+    pub fn assumed(&self, among: AxisSet, begun: AxisSet) -> impl Iterator<Item = &AssumedAxis> {
+        self.assumed.iter().filter(move |one| among.contains(one.axis) && (one.has_moved || !begun.contains(one.axis)))
+    }
+
+    /// Returns the tools that cut while the control adds no length, each with its first feed move of this kind.
     #[must_use]
-    pub fn unstated(&self, among: AxisSet) -> Option<(Origin, AxisSet)> {
-        let (origin, axes) = self.unstated?;
-        let own = axes.intersection(among);
-        (own != AxisSet::EMPTY).then_some((origin, own))
+    pub fn bare_tools(&self) -> &[BareTool] {
+        self.bare.cuts()
     }
 
     /// Returns the indices of the heads with which axes moved.

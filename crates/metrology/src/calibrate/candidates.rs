@@ -123,6 +123,7 @@ mod tests {
             targets: Vec::new(),
             lengths: Vec::new(),
             balls: Vec::new(),
+            scale_sigma: 0.0,
             is_plan: false,
             conditions: Vec::new(),
             is_in_order: true,
@@ -131,6 +132,7 @@ mod tests {
             sensors: None,
             has_senses: true,
             fixed: Vec::new(),
+            ranges: Vec::new(),
             drivers: Vec::new(),
             observations,
         }]

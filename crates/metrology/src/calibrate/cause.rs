@@ -55,6 +55,8 @@ pub(super) enum UndeterminedCause {
     AlongAxes([Axis; 2]),
     /// Angles of a rotary axis.
     Angles(Axis),
+    /// All readings over the angles of a rotary axis are at one position of a linear axis.
+    OneHeight(Axis, Axis),
     /// None of these.
     Poses,
 }
@@ -68,6 +70,7 @@ impl UndeterminedCause {
                 | UndeterminedCause::Lever
                 | UndeterminedCause::Plane
                 | UndeterminedCause::Angles(_)
+                | UndeterminedCause::OneHeight(..)
                 | UndeterminedCause::Poses
         )
     }
@@ -145,6 +148,11 @@ impl UndeterminedCause {
             UndeterminedCause::Angles(axis) => {
                 format!("index {axis} at three more angles, or leave {them} out of the model")
             }
+            UndeterminedCause::OneHeight(rotary, linear) => {
+                format!(
+                    "measure over the same angles of {rotary} at a second position of {linear}, at least 100 mm away, or leave {them} out of the model"
+                )
+            }
             UndeterminedCause::Poses => {
                 format!("leave {one_of_them} out of the model, or measure in poses in which they differ")
             }
@@ -171,13 +179,17 @@ impl fmt::Display for UndeterminedCause {
                 write!(f, "; no reading of the ball-bar lies near 45° or 135° between {one} and {other}")
             }
             UndeterminedCause::Plane => write!(f, "; all measurements are in one plane"),
+            UndeterminedCause::OneHeight(rotary, linear) => {
+                write!(f, "; all readings over the angles of {rotary} are at one position of {linear}")
+            }
             _ => Ok(()),
         }
     }
 }
 
-/// Determines the cause. `own` is a parameter, `others` those from which it is not distinguishable.
-pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> UndeterminedCause {
+/// Determines the cause. `own` is a parameter, `others` those from which it is not distinguishable. `settles`: known lengths of the instruments alone would
+/// distinguish it.
+pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet], settles: bool) -> UndeterminedCause {
     let all = || std::iter::once(own.clone()).chain(others.iter().filter_map(|column| column.parameter()));
     let (mut parameters, mut effects) = (Vec::new(), Vec::new());
     for one in all() {
@@ -192,6 +204,9 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Un
     let Parameter::Geometry(own) = own else {
         return of_effect(others, &parameters, data);
     };
+    if settles && is_gain(own) {
+        return UndeterminedCause::Scale;
+    }
     if let Some(cause) = positions_lack(own, &parameters, others.is_empty(), data) {
         return cause;
     }
@@ -229,7 +244,34 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Un
         return UndeterminedCause::Plane;
     }
     let rotary = parameters.iter().filter_map(|name| name.component.axis()).find(|axis| axis.is_rotary());
-    rotary.map_or(UndeterminedCause::Poses, UndeterminedCause::Angles)
+    rotary.map_or(UndeterminedCause::Poses, |axis| about_angles(axis, &parameters, data))
+}
+
+/// The cause beside the location errors of a rotary axis that was at several angles.
+fn about_angles(rotary: Axis, parameters: &[ParameterName], data: &[DataSet]) -> UndeterminedCause {
+    /// Number of angles that determine a first harmonic, with one to spare.
+    const ENOUGH: usize = 4;
+    let places = |set: &DataSet, axis: Axis| {
+        let mut found: Vec<f64> = Vec::new();
+        for row in &set.observations {
+            let at = row.reading.position[axis];
+            if found.len() < ENOUGH && found.iter().all(|known| (known - at).abs() > SAME_PLACE) {
+                found.push(at);
+            }
+        }
+        found
+    };
+    let turning: Vec<&DataSet> = data.iter().filter(|set| places(set, rotary).len() >= ENOUGH).collect();
+    if turning.is_empty() {
+        return UndeterminedCause::Angles(rotary);
+    }
+    let is_one_place = |axis: &Axis| {
+        let all: Vec<f64> = turning.iter().flat_map(|set| places(set, *axis)).collect();
+        all.iter().all(|at| all.first().is_none_or(|first| (at - first).abs() <= SAME_PLACE))
+    };
+    let linear = parameters.iter().filter(|name| name.term == ComponentTerm::Whole);
+    let mut linear = linear.filter_map(|name| name.component.axis()).filter(|axis| !axis.is_rotary());
+    linear.find(is_one_place).map_or(UndeterminedCause::Poses, |axis| UndeterminedCause::OneHeight(rotary, axis))
 }
 
 /// The cause for a parameter of an effect although conditions did change; `geometry` are other parameters involved.

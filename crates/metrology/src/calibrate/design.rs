@@ -245,7 +245,12 @@ impl<'a> Design<'a> {
             }
             for equation in &equations {
                 if factors {
-                    units.factors(equation, &mut shared);
+                    if equation.by_path.is_empty() {
+                        units.factors(equation, &mut shared);
+                    } else {
+                        units.factors_along(&model, equation, &mut shared);
+                        units.stand(&model, reading, &seen.nominal.rotation);
+                    }
                     all.push_parts(&shared, own.factors(equation));
                 }
                 lines.push(own.line(equation, EquationOrigin::Row(row)));

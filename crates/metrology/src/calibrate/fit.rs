@@ -429,7 +429,7 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
 }
 
 /// The lower triangular factor of the covariance of the first unknowns. Columns are scaled to unit length first, as their units differ by many powers of ten.
-fn factor_of(covariance: &DMatrix<f64>, count: usize) -> Vec<Vec<f64>> {
+pub(super) fn factor_of(covariance: &DMatrix<f64>, count: usize) -> Vec<Vec<f64>> {
     let count = count.min(covariance.nrows());
     let sigmas: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
     let correlation = DMatrix::from_fn(count, count, |row, column| {

@@ -11,6 +11,7 @@ pub mod automatic;
 pub(crate) mod bench;
 pub mod candidates;
 mod cause;
+mod certified;
 mod column;
 mod design;
 mod drift;
@@ -32,6 +33,7 @@ pub mod sensors;
 mod unit;
 pub mod words;
 
+pub use certified::add_certificates;
 pub use column::Column;
 pub(crate) use design::WEAK;
 pub use design::{EquationOrigin, Factored, ReadingEquation, equations};

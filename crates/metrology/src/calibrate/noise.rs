@@ -3,6 +3,7 @@
 //! Lengths and angles of a measurement are separate groups: each has its spread, and its share of the absorbed unknowns.
 
 use crate::measure::data::DataSet;
+use crate::measure::display;
 
 use super::design::ReadingEquation;
 use super::robust::{spread, tempered, weight};
@@ -27,6 +28,8 @@ pub(super) struct NoiseGroups(Vec<Group>);
 #[derive(Clone, Copy, Debug)]
 struct Group {
     given: Option<f64>,
+    /// Noise of the steps of the display: if most readings are one number, the median of the residuals is no spread.
+    of_steps: f64,
     /// The spread for the robust weights.
     scale: f64,
     sigma: f64,
@@ -39,12 +42,12 @@ pub(super) fn group_of(line: &ReadingEquation) -> usize {
 
 impl NoiseGroups {
     pub(super) fn new(data: &[DataSet]) -> NoiseGroups {
-        let group = |(given, first): (Option<f64>, f64)| {
+        let group = |set: &DataSet, is_angle: bool| {
+            let (given, first) = if is_angle { (set.sigma_rad, FIRST_ANGLE_SIGMA) } else { (set.sigma, FIRST_SIGMA) };
             let sigma = given.unwrap_or(first);
-            Group { given, scale: sigma, sigma }
+            Group { given, of_steps: display::noise_of(set, is_angle), scale: sigma, sigma }
         };
-        let groups = data.iter().flat_map(|set| [(set.sigma, FIRST_SIGMA), (set.sigma_rad, FIRST_ANGLE_SIGMA)]);
-        NoiseGroups(groups.map(group).collect())
+        NoiseGroups(data.iter().flat_map(|set| [group(set, false), group(set, true)]).collect())
     }
 
     pub(super) fn groups(&self) -> usize {
@@ -85,7 +88,7 @@ impl NoiseGroups {
             let freedom = (1.0 - used / count).max(LEAST_FREEDOM);
             let (scale, found) = if robust {
                 let scale = spread(own.iter().copied()) / freedom.sqrt();
-                let scale = scale.max(group.given.unwrap_or(0.0)).max(least);
+                let scale = scale.max(group.given.unwrap_or(0.0)).max(group.of_steps).max(least);
                 (scale, tempered(own, scale) / freedom.sqrt())
             } else {
                 let found = (own.iter().map(|residual| residual * residual).sum::<f64>() / count / freedom).sqrt();
@@ -110,7 +113,7 @@ mod tests {
 
     /// The uncertainty of eight readings, half of which are absorbed, described as 1 µm, for this residual spread except for rounding.
     fn sigma(found: f64) -> f64 {
-        let group = Group { given: Some(1e-3), scale: 1e-3, sigma: 1e-3 };
+        let group = Group { given: Some(1e-3), of_steps: 0.0, scale: 1e-3, sigma: 1e-3 };
         let mut noise = NoiseGroups(vec![group; 2]);
         let residual = found * 0.5_f64.sqrt();
         let line = |row| ReadingEquation { residual, set: 0, origin: EquationOrigin::Row(row), is_angle: false };

@@ -64,6 +64,27 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
     out
 }
 
+/// True if a column is in the null space, and would not be if the `fixed` columns were known: every direction without these is without the column.
+pub(super) fn is_settled(null_space: &[DVector<f64>], own: usize, fixed: &[usize]) -> bool {
+    let count = null_space.len();
+    let part = |row: usize, column: usize| null_space[column].get(row).copied().unwrap_or(0.0);
+    let size = (0..count).map(|column| part(own, column).abs()).fold(0.0, f64::max);
+    if count == 0 || fixed.is_empty() || size <= 0.0 {
+        return false;
+    }
+    // Mixtures of the directions in which the fixed columns vanish; rows of zeros make the decomposition complete.
+    let held = DMatrix::from_fn(fixed.len().max(count), count, |row, column| {
+        fixed.get(row).map_or(0.0, |&fixed| part(fixed, column))
+    });
+    let parts = held.svd(false, true);
+    let Some(mixtures) = parts.v_t else { return false };
+    let largest = parts.singular_values.max();
+    (0..count).filter(|&k| parts.singular_values[k] <= TAKES_PART[2] * largest).all(|k| {
+        let own: f64 = (0..count).map(|column| mixtures[(k, column)] * part(own, column)).sum();
+        own.abs() <= TAKES_PART[1] * size
+    })
+}
+
 /// Shortens directions if the difference of two has fewer parts than one of them.
 pub(super) fn shorten(directions: &mut [NullDirection]) {
     let support = |direction: &DVector<f64>| -> Vec<usize> {
@@ -113,6 +134,15 @@ mod tests {
         // If the last group is not involved, the first one is taken.
         let found = directions(&mixed, &[vec![0, 1, 3], vec![2]]);
         assert_eq!(found.iter().map(|(own, _)| *own).collect::<Vec<_>>(), [2, 3]);
+    }
+
+    #[test]
+    fn a_known_column_settles_what_depends_on_it_alone() {
+        // e0 + e1, and e2 + e3: with e1 known, e0 is known, and e2 is not.
+        let [one, other] = [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]].map(|parts| DVector::from_row_slice(&parts));
+        let mixed = [(&one + &other).normalize(), (&one - &other * 0.5).normalize()];
+        assert!(is_settled(&mixed, 0, &[1]) && !is_settled(&mixed, 2, &[1]) && !is_settled(&mixed, 0, &[3]));
+        assert!(!is_settled(&mixed, 0, &[]) && !is_settled(&[], 0, &[1]));
     }
 
     #[test]

@@ -39,6 +39,8 @@ const SAME_PLACE: f64 = 1e-5;
 const RIDGE: f64 = 1e-4;
 /// Minimum spread relative to the initial uncertainty, for data without noise.
 const LEAST_SPREAD: f64 = 1e-6;
+/// Smallest number of readings whose residuals have a spread.
+const FEWEST_FOR_SPREAD: usize = 3;
 
 /// The selection, and its fit.
 #[derive(Clone, Debug)]
@@ -314,9 +316,16 @@ impl Job<'_> {
             let freedom = 1.0 - (width as f64 / count.max(1) as f64).min(0.5);
             for (group, sigma) in sigmas.iter_mut().enumerate() {
                 let own = equations.lines.iter().zip(&residuals).filter(|(line, _)| group_of(line) == group);
-                let own = own.filter(|(line, _)| line.row().is_some()).map(|(_, residual)| *residual);
-                let found = spread(own) / freedom.sqrt();
-                *sigma = found.max(LEAST_SPREAD * sigma_of(group));
+                let own: Vec<f64> =
+                    own.filter(|(line, _)| line.row().is_some()).map(|(_, residual)| *residual).collect();
+                let set = self.data.get(group / 2);
+                let stated = set.and_then(|set| if group.is_multiple_of(2) { set.sigma } else { set.sigma_rad });
+                // The fit passes through one or two readings, such as that of a square: their residuals are no spread.
+                *sigma = if own.len() < FEWEST_FOR_SPREAD {
+                    stated.unwrap_or(sigma_of(group))
+                } else {
+                    (spread(own.into_iter()) / freedom.sqrt()).max(LEAST_SPREAD * sigma_of(group))
+                };
             }
             for ((to, line), residual) in weights.iter_mut().zip(&equations.lines).zip(&residuals) {
                 if rounds > 1 && line.row().is_some() {

@@ -2,7 +2,7 @@
 
 use super::design::Design;
 use super::effect::{ParameterEffect, Probe};
-use crate::measure::kind::Equation;
+use crate::measure::kind::{Equation, PathDerivative};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_machine::machine::Condition;
@@ -68,6 +68,19 @@ impl<'a> Units<'a> {
         let effects = self.parts.iter().map(|(_, _, part)| part.value(&command, &reading.state));
         for ((_, _, share), value) in self.shares.iter_mut().zip(geometry.chain(effects)) {
             *share = value;
+        }
+    }
+
+    /// The derivatives with respect to all parameters of an equation that was read along a path.
+    pub(super) fn factors_along(&mut self, model: &Model, equation: &Equation, out: &mut [f64]) {
+        let mut one = vec![0.0; out.len()];
+        out.fill(0.0);
+        for PathDerivative { reading, by_tip, by_component } in &equation.by_path {
+            let nominal = model.nominal(&reading.position, &reading.tool_mm);
+            self.stand(model, reading, &nominal.rotation);
+            let own = Equation { by_tip: *by_tip, by_location: *by_component, ..Equation::default() };
+            self.factors(&own, &mut one);
+            out.iter_mut().zip(&one).for_each(|(sum, part)| *sum += part);
         }
     }
 

@@ -69,6 +69,7 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
         lost.held.push(*own);
         lost.loose.extend((0..columns.len()).filter(|&k| direction[k] != 0.0));
     }
+    let lengths: Vec<usize> = (0..columns.len()).filter(|&k| columns.get(k).is_some_and(is_length)).collect();
     let name = |own: usize| columns.get(own).and_then(Column::parameter);
     lost.leave_out = told.iter().filter_map(|(own, _)| name(*own)).collect();
     null_space::shorten(&mut told);
@@ -77,7 +78,7 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
         let others = others(*own, direction, columns);
         let Some(parameter) = name(*own) else { continue };
         let shown: Vec<&Column> = others.iter().filter_map(|&k| columns.get(k)).collect();
-        let cause = cause(&parameter, &shown, data);
+        let cause = cause(&parameter, &shown, data, null_space::is_settled(null_space, *own, &lengths));
         let key = Key { cause, is_unfelt: others.is_empty(), unknowns: phrases(&shown, data) };
         match kinds.iter_mut().find(|(known, _)| known.is_like(&key)) {
             Some((known, members)) => {
@@ -168,13 +169,18 @@ pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     }
 }
 
+/// True for the length of an instrument.
+fn is_length(column: &Column) -> bool {
+    matches!(column, Column::Unknown(_, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_)))
+}
+
 /// The other columns of a direction, machine parameters first, as these are of interest.
 fn others(own: usize, direction: &DVector<f64>, columns: &[Column]) -> Vec<usize> {
     let least = COUNTS * direction.amax();
     let mut others: Vec<usize> = (0..direction.len()).filter(|&k| k != own && direction[k].abs() >= least).collect();
     // Then lengths of instruments, which can be measured; a shift of a set-up accompanies most directions.
     let rank = |k: usize| match columns.get(k) {
-        Some(Column::Unknown(_, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_))) => 1,
+        Some(column) if is_length(column) => 1,
         Some(column) if column.is_of_machine() => 0,
         _ => 2,
     };

@@ -81,14 +81,26 @@ impl Chosen {
     }
 }
 
-/// Variance of values with weights; 0 without any weight.
-fn variance(values: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let whole: f64 = values.clone().map(|(_, weight)| weight).sum();
-    if whole <= 0.0 {
-        return 0.0;
-    }
-    let mean = values.clone().map(|(value, weight)| weight * value).sum::<f64>() / whole;
-    values.map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>() / whole
+/// Share of the probability that an interval of 95 % leaves out: amounts of improbable explanations that are far from the others. As a variance they would
+/// widen it although it contains more than 95 % without them.
+const LEFT_OUT: f64 = 0.01;
+
+/// Variance of values with weights, without the farthest ones of little weight; 0 without any weight.
+fn variance(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let mut values: Vec<(f64, f64)> = values.filter(|(_, weight)| *weight > 0.0).collect();
+    let Some(&(middle, _)) = values.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return 0.0 };
+    let sum = |values: &[(f64, f64)]| values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut rest = LEFT_OUT * sum(&values);
+    values.sort_by(|a, b| (b.0 - middle).abs().total_cmp(&(a.0 - middle).abs()));
+    let is_far = |(_, weight): &&(f64, f64)| {
+        rest -= weight;
+        rest >= 0.0
+    };
+    let far = values.iter().take_while(is_far).count();
+    let kept = values.split_off(far);
+    let whole = sum(&kept);
+    let mean = kept.iter().map(|(value, weight)| weight * value).sum::<f64>() / whole;
+    kept.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>() / whole
 }
 
 /// One explanation as text.
@@ -426,6 +438,9 @@ mod tests {
         // Mean 2.5: 0.25 · 1.5² + 0.75 · 0.5² = 0.75; weights need not sum to 1.
         assert!((variance([(1.0, 0.5), (3.0, 1.5)].into_iter()) - 0.75).abs() < 1e-12);
         assert_eq!(variance(std::iter::empty()), 0.0);
+        // An explanation of 0.4 % is left out, one of 2 % is not: 0.98 · 0.02 · 2.5² = 0.1225.
+        assert!(variance([(2.5, 0.004), (5.0, 0.996)].into_iter()).abs() < 1e-12);
+        assert!((variance([(5.0, 0.98), (2.5, 0.02)].into_iter()) - 0.1225).abs() < 1e-12);
         assert_eq!(variance([(2.0, 0.3)].into_iter()), 0.0);
     }
 }

@@ -378,7 +378,7 @@ fn harms(own: &[f64], other: &[f64]) -> bool {
 }
 
 /// True if the residual after correcting by one error is at least this share of the other.
-fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
+pub(super) fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
     let left: f64 = own.iter().zip(other).map(|(own, other)| (own - other).powi(2)).sum();
     left > share * share * dot(other, other)
 }

@@ -3,12 +3,16 @@
 //! The largest of many normal readings is far out too: of 15 readings one is beyond 3.3 σ with a probability of 1.4 %, of 20,000 with 100 %. And the median of a
 //! few residuals is an uncertain spread, which a fit with many unknowns makes too small. So a reading is an outlier only if it is far by the spread, and if
 //! Student's t of its deletion residual is significant for the number of readings (Grubbs 1969; Bonferroni).
+//!
+//! If a display shows most readings as one number, their median spread is zero, and every other reading would be far. So the spread of a file is not less
+//! than that of its display steps.
 
 use super::fold::counts;
 use super::noise::MEDIAN;
 use super::readings::FEW;
 use super::scene::Scene;
 use super::search::Weights;
+use crate::measure::display;
 use ncfix_base::numeric::fisher;
 
 /// An outlier is beyond this multiple of the spread.
@@ -29,18 +33,27 @@ pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, (left, unknowns
     };
     let whole = middle(places.iter().map(size).collect());
     let set = |place: usize| Some(scene.rows.get(scene.items.get(place)?.row)?.set);
+    // RMS noise of the display steps of each file, lengths and angles, relative to the uncertainty of its readings.
+    let steps: Vec<[f64; 2]> =
+        scene.sets.iter().map(|set| [false, true].map(|is_angle| display::noise_of(set, is_angle))).collect();
+    let least = |place: &usize| {
+        let of_set = set(*place).and_then(|number| steps.get(number));
+        let step = of_set.zip(scene.items.get(*place)).map_or(0.0, |(steps, item)| steps[usize::from(item.is_angle)]);
+        step * weights.items.get(*place).copied().unwrap_or(0.0)
+    };
     // Share of the readings that the unknowns do not take up.
     let free = 1.0 - unknowns as f64 / places.len().max(1) as f64;
     let mut far = Vec::new();
     for number in 0..scene.sets.len() {
-        let own: Vec<usize> = places.iter().copied().filter(|&place| set(place) == Some(number)).collect();
+        let own_places: Vec<usize> = places.iter().copied().filter(|&place| set(place) == Some(number)).collect();
         // The noise of a few readings is not determined; noise levels that differ by less are equal.
-        let (spread, others) = if own.len() < FEW {
+        let (spread, others) = if own_places.len() < FEW {
             (whole, places.iter().map(size).collect::<Vec<f64>>())
         } else {
-            let own: Vec<f64> = own.iter().map(size).collect();
+            let own: Vec<f64> = own_places.iter().map(size).collect();
             (middle(own.clone()), own)
         };
+        let spread = own_places.iter().map(&least).fold(spread, f64::max);
         let rest: Vec<f64> = others.iter().copied().filter(|size| *size <= FAR * spread).collect();
         let freedom = free * rest.len() as f64;
         let variance = rest.iter().map(|size| size * size).sum::<f64>() / freedom;
@@ -50,7 +63,7 @@ pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, (left, unknowns
                 && (variance <= 0.0
                     || fisher::exceeded(size * size / variance, 1.0, freedom) * others.len() as f64 <= CHANCE)
         };
-        far.extend(own.into_iter().filter(|place| size(place) > FAR * spread && is_significant(size(place))));
+        far.extend(own_places.into_iter().filter(|place| size(place) > FAR * spread && is_significant(size(place))));
     }
     far.iter().for_each(|&place| {
         if let Some(weight) = weights.items.get_mut(place) {

@@ -28,8 +28,8 @@ const FINE: f64 = 1e3;
 /// Belongs to no part: known distances and excluded readings.
 pub(super) const NO_PART: usize = usize::MAX;
 
-/// Parts by runs or set-ups of the included readings.
-pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
+/// At most `most` parts by runs or set-ups of the included readings.
+pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights, most: usize) -> Vec<usize> {
     // Sequences that were read in turn share a drift, so none of them is unseen without the others.
     let mut firsts: HashMap<usize, usize> = HashMap::new();
     for (place, row) in scene.rows.iter().enumerate() {
@@ -53,7 +53,7 @@ pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     let parts: Vec<Option<usize>> = counted.map(|row| of(row?, &mut numbers)).collect();
     // Consecutive runs form one part: they share a set-up, which one of them must keep determined.
     let count = numbers.len().max(1);
-    let part = |number: usize| if count > PARTS { number * PARTS / count } else { number };
+    let part = |number: usize| if count > most { number * most / count } else { number };
     parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
@@ -106,7 +106,7 @@ pub(super) fn confirmed(
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
     type Parts = fn(&Scene<'_>, &Weights) -> Vec<usize>;
     let kinds: [Parts; 4] = [
-        repeats,
+        |scene, weights| repeats(scene, weights, PARTS),
         |scene, _| stretches(scene, 1),
         |scene, _| stretches(scene, ROUNDS[0]),
         |scene, _| stretches(scene, ROUNDS[1]),

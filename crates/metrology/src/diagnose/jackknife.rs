@@ -10,6 +10,8 @@ use ncfix_base::numeric::student;
 
 /// Minimum number of parts.
 const FEWEST: usize = 4;
+/// Maximum number of parts. The fewer they are, the wider is the interval by Student's factor: by 31 % for 6, by 12 % for 12.
+const PARTS: usize = 12;
 /// The change due to a part counts fully up to this multiple of the change that noise would cause with equally informative parts.
 const LEVERAGE: f64 = 4.0;
 /// A column is determined if at least this share of its squares remains beside the others.
@@ -52,7 +54,7 @@ pub(super) fn without_parts(
         all.dedup();
         all
     };
-    let mut parts = repeats(field.scene, weights);
+    let mut parts = repeats(field.scene, weights, PARTS);
     let mut numbers = counted(&parts);
     if numbers.len() < FEWEST {
         parts = stretches(field.scene, 1);

@@ -47,6 +47,39 @@ impl Field<'_, '_> {
         Poses(members)
     }
 
+    /// Factor by which the variance of the amounts of a candidate grows because the residual repeats at each pose: repetitions average noise, but no error
+    /// that the terms lack.
+    pub(super) fn growth_by_poses(&self, weights: &Weights, taken: &[usize], others: &[usize], number: usize) -> f64 {
+        let left = self.series(weights, taken, 0.0);
+        let mut beside = self.series(weights, others, 0.0);
+        let of_column = |column: Vec<f64>| {
+            beside.set_values(&column);
+            beside.left().to_vec()
+        };
+        let columns: Vec<Vec<f64>> = self.columns_of(number).into_iter().map(of_column).collect();
+        self.poses(weights).inflation(left.left(), &columns).times
+    }
+
+    /// Ratio of the residual to the scatter of repeated readings, if the poses surely have errors that the terms lack; otherwise `None`.
+    pub(super) fn lack_of_fit(&self, weights: &Weights, taken: &[usize]) -> Option<f64> {
+        /// p-value of a lack of fit that is no chance.
+        const CHANCE: f64 = 1e-6;
+        /// Smallest ratio that matters beside the noise.
+        const RATIO: f64 = 2.0;
+        let series = self.series(weights, taken, 0.0);
+        let poses = self.poses(weights);
+        let count = poses.0.iter().map(Vec::len).sum::<usize>();
+        let within = count.checked_sub(poses.0.len()).filter(|freedom| *freedom > 0)? as f64;
+        let between = poses.0.len().checked_sub(series.rank()).filter(|freedom| *freedom > 0)? as f64;
+        let all: f64 =
+            poses.0.iter().flatten().filter_map(|&place| series.left().get(place)).map(|left| left * left).sum();
+        let of_means = poses.squares(series.left());
+        let scatter = ((all - of_means) / within).max(0.0);
+        let ratio = (all / (within + between) / scatter).sqrt();
+        let is_sure = fisher::exceeded(of_means / between / scatter, between, within) < CHANCE;
+        (is_sure && ratio > RATIO && ratio.is_finite()).then_some(ratio)
+    }
+
     /// p-value of a wave if each pose counts as one reading: the probability that one of `waves` waves fits the systematic deviation of each place as well. 0
     /// if no pose was measured twice.
     pub(super) fn chance_of_places(&self, weights: &Weights, taken: &[usize], number: usize, waves: usize) -> f64 {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Scene::new(machine, errors, sets)      residual of every reading, and its sensitivity to a deviation anywhere in the machine
+//! path                                  readings along a path: the angle between the mean lines of two motions
 //! fault::FAULTS                         faults of the data
 //! cause::Causes                          candidates: the deviations that a cause adds to the readings, one file per cause
 //! search, refine, group, cancel, absurd  search for the candidates that explain the residual
@@ -11,6 +12,7 @@
 //! gates, fold                            acceptance tests on unseen data
 //! verdict                                sizes, other explanations, shares, noise, residual; before and after, also on data held out
 //! contest                                comparison with other sets of terms by their probability
+//! certified                              the contribution of certificates to the uncertainty of sizes
 //! next                                   the measurement that separates the explanations
 //! stated                                 test of the hypotheses that a person states
 //! mimic, doubt, volume                    errors with the same effect on the readings but another effect elsewhere in the travel
@@ -19,6 +21,7 @@
 //! nature, undecided                      causes with the same effect on the readings that depend on another quantity: time, direction, speed
 //! reversed                               readings of a file with the opposite sign, which would make causes unnecessary
 //! swapped                                set-ups of which either may have the wrong scale
+//! lever                                  displacements that act on the readings as an accepted angle does
 //! level                                  curves of a straightness whose slope no reading determines
 //! elsewhere                              angles that explain the readings of a displacement, because they have one arm
 //! extend                                 the extended machine file
@@ -30,6 +33,7 @@ mod account;
 pub(crate) mod bench;
 mod cancel;
 pub mod cause;
+mod certified;
 mod circles;
 mod class;
 mod contest;
@@ -53,11 +57,13 @@ mod jackknife;
 mod judge;
 mod known;
 mod level;
+mod lever;
 mod mimic;
 mod nature;
 mod next;
 mod noise;
 mod parts;
+mod path;
 mod price;
 mod promising;
 mod readings;

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::fisher;
 
-use super::fault::quantised::least_noise;
 use super::fold::counts;
 use super::freedom::Order;
 use super::scene::{Scene, SceneReading};
 use super::search::{Field, Weights};
+use crate::measure::display;
 
 /// Minimum number of repeats, beyond the first reading of each pose, that determine the noise.
 const REPEATS: usize = 12;
@@ -111,7 +111,8 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     }
     if matches!(source, NoiseSource::Differences | NoiseSource::Repeats) {
         // Neighbors and repeats with the same digit of a display have no difference.
-        noise = noise.max(least_noise(scene, of_angles).min(rms));
+        let steps = scene.sets.iter().map(|set| display::noise_of(set, of_angles)).fold(0.0, f64::max);
+        noise = noise.max(steps.min(rms));
     }
     let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
     // A few uncorrelated readings may still scatter more than their repeats.

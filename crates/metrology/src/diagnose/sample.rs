@@ -99,7 +99,7 @@ impl<'s, 'a> SearchPart<'s, 'a> {
             candidates: field.candidates.clone(),
             bows: field.bows.clone(),
             factors: field.factors.iter().map(|(through, all)| (*through, picked(all))).collect::<HashMap<_, _>>(),
-            layout: Arc::new(field.layout.part(&sample.rows)),
+            layout: Arc::new(field.layout.part(&sample.rows, &sample.items)),
             tables: KnownTables::default(),
             starts: Starts::default(),
             seek: Seek::default(),
@@ -231,6 +231,7 @@ impl<'a> Scene<'a> {
             rows: rows.iter().map(|&row| self.rows[row].clone()).collect(),
             items,
             unknowns: self.unknowns,
+            paths: self.paths.part(&places),
         };
         (scene, places)
     }

@@ -7,11 +7,12 @@ use std::collections::HashMap;
 
 use crate::calibrate::{Column, FitError, FitOptions, Parameter, WEAK, fit};
 use crate::measure::data::DataSet;
-use crate::measure::kind::{Equation, Seen, by_component};
-use ncfix_base::geometry::Vector;
+use crate::measure::kind::{ByComponent, Equation, Seen, by_component};
+use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, ErrorName, Model};
 
+use super::path::ReadingPaths;
 use super::row::{SceneRow, rows};
 
 /// Default uncertainty of a reading, mm or rad.
@@ -50,7 +51,7 @@ pub struct SceneReading {
     pub is_angle: bool,
     by_tip: Vector,
     by_turn: Vector,
-    by_location: [Option<(ErrorName, f64)>; 2],
+    by_location: ByComponent,
     /// Derivatives with respect to set-up unknowns, with their numbers among all unknowns.
     pub by_unknown: Vec<(usize, f64)>,
 }
@@ -70,6 +71,7 @@ pub struct Scene<'a> {
     pub items: Vec<SceneReading>,
     /// Unknowns of the set-ups.
     pub unknowns: usize,
+    pub(super) paths: ReadingPaths,
 }
 
 impl<'a> Scene<'a> {
@@ -100,6 +102,7 @@ impl<'a> Scene<'a> {
             rows: rows(sets),
             items: Vec::new(),
             unknowns: values.len(),
+            paths: ReadingPaths::default(),
         };
         let mut equations: Vec<Equation> = Vec::new();
         let mut row = 0;
@@ -120,6 +123,9 @@ impl<'a> Scene<'a> {
                 let present: Vec<usize> = (0..3).filter(|&k| observation.values[k].is_some()).collect();
                 for (place, equation) in equations.iter().enumerate() {
                     let sigma = if equation.is_angle { data.sigma_rad } else { data.sigma };
+                    if let Some(own) = scene.rows.get(row) {
+                        scene.paths.add(scene.items.len(), own, &equation.by_path);
+                    }
                     scene.items.push(SceneReading {
                         row,
                         value: present.get(place).copied().unwrap_or(place),
@@ -146,7 +152,7 @@ impl<'a> Scene<'a> {
                     is_angle: false,
                     by_tip: Vector::zeros(),
                     by_turn: Vector::zeros(),
-                    by_location: [None; 2],
+                    by_location: [None; 3],
                     by_unknown: equation.by_unknown.iter().map(|&(k, factor)| (from + k, factor)).collect(),
                 });
             }
@@ -227,18 +233,27 @@ impl<'a> Scene<'a> {
         let Some(observation) = self.sets.get(row.set).and_then(|set| set.observations.get(row.number)) else {
             return nothing;
         };
-        let reading = &observation.reading;
-        let nominal = model.nominal(&reading.position, &reading.tool_mm);
+        self.unit_at(model, through, (&observation.reading.position, &observation.reading.tool_mm))
+    }
+
+    /// Displacement and rotation of the tool in the workpiece frame per unit of a deviation, at a position with a tool.
+    pub(super) fn unit_at(
+        &self,
+        model: &Model,
+        through: Through,
+        (position, tool_mm): (&AxisVector, &Vector),
+    ) -> (Vector, Vector) {
+        let nominal = model.nominal(position, tool_mm);
         match through {
             Through::Component(name) => {
-                let unit = model.sensitivity(name, &reading.position, &reading.tool_mm);
+                let unit = model.sensitivity(name, position, tool_mm);
                 (nominal.rotation * unit.translation, nominal.rotation * unit.rotation)
             }
             Through::Tip(direction) => {
-                let to_f = model.tool_orientation(&reading.position) * nominal.rotation.transpose();
+                let to_f = model.tool_orientation(position) * nominal.rotation.transpose();
                 (to_f.row(direction.min(2)).transpose(), Vector::zeros())
             }
-            Through::Reading(_) | Through::Value(_) => nothing,
+            Through::Reading(_) | Through::Value(_) => (Vector::zeros(), Vector::zeros()),
         }
     }
 

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::cause::{Candidate, Weight};
 use super::known::KnownTables;
+use super::path::PathParts;
 use super::scene::{NO_ROW, Scene, Through};
 use ncfix_base::numeric::sums::{dot, dot_of_three};
 use ncfix_base::numeric::{Gain, Series, in_parts};
@@ -38,6 +39,8 @@ pub(super) struct Layout {
     /// Pairs of weight and point: several candidates share columns.
     pub(super) pairs: Vec<(usize, usize)>,
     pub(super) columns: Vec<Vec<Column>>,
+    /// Readings along paths.
+    along: PathParts,
 }
 
 impl Layout {
@@ -73,7 +76,9 @@ impl Layout {
             known.get(weight).unwrap_or_else(of_rows)
         };
         let weights = in_parts(&closures, &table);
-        Layout { places, weights, numbers: weight_numbers, pairs: pair_numbers.into_keys().collect(), columns }
+        let pairs: Vec<(usize, usize)> = pair_numbers.into_keys().collect();
+        let along = scene.path_parts(&pairs, &places, &closures);
+        Layout { places, weights, numbers: weight_numbers, pairs, columns, along }
     }
 
     /// Returns a weight by row, if it is one of those of its candidates, which have the same lifetime.
@@ -81,12 +86,22 @@ impl Layout {
         self.weights.get(*self.numbers.get(&weight.key())?)
     }
 
-    /// Returns these weights for some rows.
-    pub(super) fn part(&self, rows: &[usize]) -> Layout {
+    /// Returns these weights for some rows and their readings, in ascending order.
+    pub(super) fn part(&self, rows: &[usize], items: &[usize]) -> Layout {
         let some = |table: &Arc<Vec<f64>>| {
             Arc::new(rows.iter().map(|&row| table.get(row).copied().unwrap_or(0.0)).collect::<Vec<f64>>())
         };
-        Layout { weights: in_parts(&self.weights, &some), ..self.clone() }
+        let number = |item: usize| items.binary_search(&item).ok();
+        let renumbered = |values: &Vec<(usize, f64)>| -> Vec<(usize, f64)> {
+            values.iter().filter_map(|&(item, value)| Some((number(item)?, value))).collect()
+        };
+        let along = self.along.iter().map(|(&pair, values)| (pair, renumbered(values))).collect();
+        Layout { weights: in_parts(&self.weights, &some), along, ..self.clone() }
+    }
+
+    /// The readings along paths on which a pair acts, with its values.
+    fn along(&self, pair: (usize, usize)) -> &[(usize, f64)] {
+        self.along.get(&pair).map_or(&[], Vec::as_slice)
     }
 
     /// Number of candidates.
@@ -191,7 +206,8 @@ impl Scores {
                 let Some(one) = table(k) else { continue };
                 for l in 0..=k {
                     let Some(other) = table(l) else { continue };
-                    let product = dot_of_three(one, other, squares);
+                    let product =
+                        dot_of_three(one, other, squares) + self.product_along([&columns[k], &columns[l]], series);
                     products[k * count + l] = product;
                     products[l * count + k] = product;
                 }
@@ -219,8 +235,24 @@ impl Scores {
             for ((value, factor), &row) in out.iter_mut().zip(factors.iter()).zip(&self.rows) {
                 *value += factor * table.get(row).copied().unwrap_or(0.0);
             }
+            for &(item, value) in self.layout.along((*weight, *place)) {
+                out.get_mut(item).into_iter().for_each(|own| *own += value);
+            }
         }
         out
+    }
+
+    /// The product of two columns of one pair each on the readings along paths.
+    fn product_along(&self, columns: [&Column; 2], series: &Series) -> f64 {
+        let [one, other] = columns.map(|column| {
+            let pair = column.first().and_then(|&number| self.layout.pairs.get(number));
+            pair.map_or(&[][..], |&pair| self.layout.along(pair))
+        });
+        let product = |&(item, value): &(usize, f64)| {
+            let (_, beside) = other.iter().find(|(own, _)| *own == item)?;
+            Some(value * beside * series.weights().get(item)?.powi(2))
+        };
+        one.iter().filter_map(product).sum()
     }
 
     /// Returns, for every point, the sums over the readings of each row of factor times value, with the rows where it is not zero.
@@ -284,8 +316,17 @@ impl Scores {
         let share = pairs.len().div_ceil(HALVES).max(1);
         let shares: Vec<_> = pairs.chunks(share).collect();
         let parts: Vec<Vec<Vec<f64>>> = in_parts(&shares, &|part| of_some(part));
-        let whole = |k: usize| parts.iter().filter_map(|part| part.get(k)).flatten().copied().collect();
-        (0..all.len()).map(whole).collect()
+        let whole = |(k, at): (usize, &Vec<f64>)| {
+            let mut whole: Vec<f64> = parts.iter().filter_map(|part| part.get(k)).flatten().copied().collect();
+            if !self.layout.along.is_empty() {
+                for (sum, &pair) in whole.iter_mut().zip(pairs) {
+                    let parts = self.layout.along(pair).iter();
+                    *sum += parts.map(|&(item, value)| value * at.get(item).copied().unwrap_or(0.0)).sum::<f64>();
+                }
+            }
+            whole
+        };
+        all.iter().enumerate().map(whole).collect()
     }
 
     /// Returns the gain of each candidate in addition to the basis of a series, which only grows between calls.

@@ -173,6 +173,7 @@ impl<'s, 'a> Field<'s, 'a> {
                     }
                 }
             }
+            self.scene.add_along(&mut column, parts);
             column
         };
         candidate.columns.iter().map(sum).collect()

@@ -6,6 +6,7 @@ use super::cause::{Candidate, Causes, EffectKind, periodic};
 use super::nature::Nature;
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
+use super::size::is_angle;
 use super::verdict::propose;
 use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AXES, Axis, Vector};
@@ -33,7 +34,10 @@ const WIDE: f64 = 0.8;
 
 /// Returns the measurement that separates a cause from its first other explanation, and the command that plans it, if there is one.
 pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) -> String {
-    let (sentence, plan) = told_apart([one.cause.effect, rival.cause.effect]);
+    let effects = [one.cause.effect, rival.cause.effect];
+    // Of an angle and a displacement over two axes, the arm of the angle decides, as it does over one axis.
+    let is_by_arm = effects == [EffectKind::Cross; 2] && is_angle(one) != is_angle(rival);
+    let (sentence, plan) = told_apart(if is_by_arm { [EffectKind::Motion; 2] } else { effects });
     // An offset or a tilt of a rotary axis or of the spindle shows when that axis turns.
     let turns = |candidate: &Candidate| {
         let name = candidate.columns.iter().flatten().find_map(|(through, _)| match through {

@@ -2,6 +2,7 @@
 
 use super::account::{Account, swing};
 use super::cause::{Candidate, Cause, Causes, EffectKind, Term, earlier, periodic, thermal};
+use super::certified;
 use super::class::class;
 use super::contest::{Chosen, ExplanationSummary};
 use super::doubt::ExtrapolationRisk;
@@ -239,7 +240,12 @@ pub(super) fn diagnose_then(
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     note("explanations", 0.0);
     let volume = Volume::new(scene, |row| row.set < used);
-    let outcome = field.contest(&weights, &numbers, volume.as_ref());
+    field.add_levers(&numbers);
+    let mut outcome = field.contest(&weights, &numbers, volume.as_ref());
+    let of_outcome: Vec<usize> = outcome.instead.iter().flatten().map(|one| one.candidate).collect();
+    if field.add_levers(&of_outcome) > 0 {
+        outcome = field.contest(&weights, &numbers, volume.as_ref());
+    }
     let mut chosen = outcome.of_taken;
     if let Some(all) = outcome.instead {
         let again = stand(&mut field, &weights, &all, &mut rejections, note);
@@ -366,6 +372,7 @@ fn verdict(
     let (_, covariance) = field.series(weights, &[], memory).amounts(&with_slopes);
     let is_change =
         |number: &usize| field.candidates.get(*number).is_some_and(|one| one.cause.effect == EffectKind::Earlier);
+    let of_certificates = certified::moves(field, weights, &flat, memory);
     let without_parts = without_parts(field, weights, (&flat, taken.iter().any(is_change)), memory);
     let whole = field.series(weights, &taken, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
@@ -389,7 +396,9 @@ fn verdict(
         // The amount also depends on which other causes there are.
         let between = chosen.iter().find(|one| one.candidate == term.candidate).map_or(0.0, |one| one.between);
         let of_pair = |k: usize, l: usize| {
-            covariance[(k, l)] * noise * inflation + if k == l && range.len() == 1 { between } else { 0.0 }
+            covariance[(k, l)] * noise * inflation
+                + if k == l && range.len() == 1 { between } else { 0.0 }
+                + of_certificates.iter().map(|moves| moves[k] * moves[l]).sum::<f64>()
         };
         let amounts = level(Amounts {
             values: amounts.get(range.clone()).unwrap_or_default().to_vec(),

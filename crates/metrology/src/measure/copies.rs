@@ -2,6 +2,7 @@
 //! noise.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::data::{DataSet, Observation};
 use ncfix_base::geometry::AXES;
@@ -32,32 +33,48 @@ pub struct Copied {
     pub of: usize,
 }
 
-/// Readings by place and by measured quantity, µm or µrad.
-type Places = BTreeMap<(Vec<i64>, String), Vec<f64>>;
+/// The readings of a table by place and by measured quantity, µm or µrad.
+#[derive(Clone, Debug)]
+pub struct ReadingsByPlace {
+    /// Sorted readings, by a hash of the place and of the quantity.
+    values: BTreeMap<u64, Vec<f64>>,
+    /// The last decimal in which readings differ.
+    step: f64,
+    /// Noise of the readings.
+    noise: f64,
+}
+
+impl ReadingsByPlace {
+    /// The readings of a table.
+    #[must_use]
+    pub fn new(data: &DataSet) -> ReadingsByPlace {
+        let values = places(data);
+        ReadingsByPlace { step: step(&values), noise: noise(data), values }
+    }
+}
 
 /// The common readings of two tables that differ by rounding only, although their noise is larger.
 #[must_use]
-pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
-    let (of_one, of_other) = (places(one), places(other));
-    let step = step(&of_one).max(step(&of_other));
-    let noise = [one, other].map(noise).into_iter().fold(f64::MAX, f64::min);
+pub fn copied(one: &ReadingsByPlace, other: &ReadingsByPlace) -> Option<Copied> {
+    let step = one.step.max(other.step);
+    let noise = one.noise.min(other.noise);
     if step >= FINE * noise {
         return None;
     }
     let close = step * (0.5 + ROUNDING);
     let (mut same, mut all, mut by_chance) = (0, 0, 0.0);
-    for (place, values) in &of_one {
-        let Some(others) = of_other.get(place) else { continue };
+    for (place, values) in &one.values {
+        let Some(others) = other.values.get(place) else { continue };
         let count = values.len().min(others.len());
         all += count;
         by_chance += count as f64 * (others.len().max(values.len()) as f64 * step / noise).min(1.0);
         // Both are sorted: a value below all remaining values of the other has no match.
         let (mut k, mut l) = (0, 0);
-        while let (Some(one), Some(other)) = (values.get(k), others.get(l)) {
-            let matches = (one - other).abs() <= close;
+        while let (Some(a), Some(b)) = (values.get(k), others.get(l)) {
+            let matches = (a - b).abs() <= close;
             same += usize::from(matches);
-            k += usize::from(matches || one < other);
-            l += usize::from(matches || one >= other);
+            k += usize::from(matches || a < b);
+            l += usize::from(matches || a >= b);
         }
     }
     let is_copy = same >= LEAST && same as f64 > SHARE * all as f64 && by_chance < CHANCE * all as f64;
@@ -68,21 +85,23 @@ fn micro(one: &Observation) -> f64 {
     if one.is_angle() { MICRO.1 } else { MICRO.0 }
 }
 
-fn places(data: &DataSet) -> Places {
+fn places(data: &DataSet) -> BTreeMap<u64, Vec<f64>> {
     let fine = |value: f64| (value * 1e3).round() as i64;
-    let mut all = Places::new();
+    let mut all: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for one in &data.observations {
         // Numbers of balls and components refer to their own table.
-        let what = one.target.and_then(|target| data.targets.get(target)).cloned().unwrap_or_default();
-        let mut key: Vec<i64> = AXES.iter().map(|&axis| fine(one.reading.position[axis])).collect();
-        key.extend(one.reading.tool_mm.iter().map(|value| fine(*value)));
-        key.extend(one.reading.state.direction.iter().map(|sense| i64::from(*sense)));
-        key.extend([fine(one.spindle_rad), fine(one.feed.unwrap_or(0.0))]);
+        let what = one.target.and_then(|target| data.targets.get(target)).map_or("", String::as_str);
+        let mut place = DefaultHasher::new();
+        AXES.iter().for_each(|&axis| fine(one.reading.position[axis]).hash(&mut place));
+        one.reading.tool_mm.iter().for_each(|value| fine(*value).hash(&mut place));
+        one.reading.state.direction.iter().for_each(|sense| i64::from(*sense).hash(&mut place));
+        [fine(one.spindle_rad), fine(one.feed.unwrap_or(0.0))].hash(&mut place);
+        what.hash(&mut place);
         for (k, value) in one.values.iter().enumerate() {
             let Some(value) = value.filter(|value| value.is_finite()) else { continue };
-            let mut key = key.clone();
-            key.push(k as i64);
-            all.entry((key, what.clone())).or_default().push(value * micro(one));
+            let mut place = place.clone();
+            k.hash(&mut place);
+            all.entry(place.finish()).or_default().push(value * micro(one));
         }
     }
     all.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
@@ -90,7 +109,7 @@ fn places(data: &DataSet) -> Places {
 }
 
 /// The last decimal in which readings differ, µm or µrad.
-fn step(places: &Places) -> f64 {
+fn step(places: &BTreeMap<u64, Vec<f64>>) -> f64 {
     let all = || places.values().flatten();
     let is_of = |step: f64| all().all(|value| ((value / step).round() * step - value).abs() < ROUNDING * step);
     (-DECIMALS..=0).rev().map(|decimals| 10.0_f64.powi(decimals)).find(|step| is_of(*step)).unwrap_or(0.0)

@@ -44,6 +44,8 @@ pub struct DataSet {
     pub sigma: Option<f64>,
     /// Standard uncertainty of an angle reading, rad; `None` if it is to be estimated.
     pub sigma_rad: Option<f64>,
+    /// Standard uncertainty of the scale of the instrument or of the artifact by its certificate, relative; 0 if it is not stated.
+    pub scale_sigma: f64,
     /// Unknowns of every set-up.
     pub free: Vec<Free>,
     /// The response of sensors whose columns are no displacements along F.
@@ -68,6 +70,8 @@ pub struct DataSet {
     pub is_plan: bool,
     /// Constant positions of axes without a column, mm or rad.
     pub fixed: Vec<(Axis, f64)>,
+    /// Ranges of axes over which a squareness was measured, mm; the travel for an axis without one.
+    pub ranges: Vec<(Axis, [f64; 2])>,
     /// The conditions of the machine for the readings; empty for the reference state.
     pub conditions: Vec<Condition>,
     /// `false` if the description states that the rows are not in the order of the motion, as in a sorted map or report: then neither a direction nor a
@@ -152,6 +156,8 @@ pub struct Setup {
     pub centre_mm: Vector,
     /// Nominal length of the ball-bar, mm.
     pub length_mm: f64,
+    /// Standard uncertainty of this length by its certificate, mm; 0 if it is not stated.
+    pub length_sigma_mm: f64,
     /// Index of its extension rod.
     pub rod: usize,
     /// Expansion of the rod or artifact per K; 0 if it counts as measured at 20 °C.

@@ -4,11 +4,13 @@
 //! measurement with its description. [`kind`] has one file per kind of measurement, with its columns and equations. [`simulate`] does the inverse,
 //! with [`noise`]; [`plan`] makes measurements without readings, with the path of the axes to them. [`mode`] removes the corrections from measured
 //! positions (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] reads a strain gauge, [`weighing`] determines the
-//! load from it, [`copies`] detects tables with identical readings, [`ranges`] states which positions and conditions they cover. [`trace`] has the recordings of a control and an instrument during motion.
+//! load from it, [`copies`] detects tables with identical readings, `display` finds the steps of a display, [`certificate`] has the effects of the uncertainty of lengths and scales on the readings, [`ranges`] states which positions and conditions they cover. [`trace`] has the recordings of a control and an instrument during motion.
 
+pub mod certificate;
 pub mod circles;
 pub mod copies;
 pub mod data;
+pub(crate) mod display;
 pub mod iso230;
 pub mod kind;
 pub mod mode;

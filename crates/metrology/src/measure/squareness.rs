@@ -4,8 +4,16 @@
 //! smallest positions to the one with the largest, and d2 the other one, the law of cosines gives d1² = a² + b² − 2ab sin γ and d2² = a² + b² + 2ab sin γ. So
 //! sin γ = (d2² − d1²) / 4ab.
 
+use super::kind::location;
+use ncfix_base::units::urad_from_rad;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::squareness::SquarenessTerm;
+use ncfix_model::ErrorModel;
+
 /// Largest angle that counts as a squareness, rad: beyond it a number is wrong.
 const MOST_RAD: f64 = 0.05;
+/// Largest angle by a square and a dial gauge, rad: beyond it the reading is probably in µm.
+const MOST_DIAL_RAD: f64 = 0.005;
 /// Largest deviation of the diagonals from the length that the sides require: a share of it for a part that is not cut to size, and a multiple of the
 /// reading uncertainty.
 const MOST_SHARE: f64 = 1e-3;
@@ -18,6 +26,13 @@ pub struct MeasuredSquareness {
     pub gamma_rad: f64,
     /// Standard uncertainty by the readings, rad.
     pub uncertainty_rad: f64,
+}
+
+/// The part of a squareness, as its location error counts it, that other errors of the machine file explain, µrad: a square shows the angle between the mean
+/// lines of two motions, and a straightness may have a mean slope.
+#[must_use]
+pub fn explained_urad(machine: &Machine, errors: &ErrorModel, term: &SquarenessTerm) -> f64 {
+    term.name.parse().map_or(0.0, |name| urad_from_rad(location::beside_location(machine, errors, name)))
 }
 
 /// Standard uncertainty of a reading within ± `limit`: all values in it are equally probable.
@@ -51,6 +66,15 @@ impl MeasuredSquareness {
     /// # Errors
     /// Returns a sentence if the angle is too large.
     pub fn of_dial(leg_mm: f64, dial_mm: f64, read_to_mm: f64) -> Result<MeasuredSquareness, String> {
+        if (dial_mm / leg_mm).abs() > MOST_DIAL_RAD {
+            return Err(format!(
+                "a change of {dial_mm} mm over {leg_mm} mm is {:.1} mm/m, and more than {:.0} mm/m is no squareness of a machine: a number is wrong. \
+                 --dial is in mm, so {dial_mm} µm is --dial {}",
+                1000.0 * (dial_mm / leg_mm).abs(),
+                1000.0 * MOST_DIAL_RAD,
+                dial_mm / 1000.0
+            ));
+        }
         Self::checked((-dial_mm / leg_mm).atan(), standard(read_to_mm) * 2_f64.sqrt() / leg_mm)
     }
 

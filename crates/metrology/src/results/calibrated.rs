@@ -121,6 +121,8 @@ pub struct RepeatedReadings {
     pub sigma: f64,
     /// Number of readings beyond the first of each pose.
     pub repetitions: usize,
+    /// True if the readings change slowly from one to the next, so that most of the scatter is a drift and not the noise of the instrument.
+    pub has_drift: bool,
 }
 
 /// Readings that the fit used: those whose weight is not 0.

@@ -9,8 +9,12 @@ use super::references::Together;
 use super::residuals::residual_table;
 use super::selection;
 use super::widened::widen;
-use super::{conditions, figures, has_errors, not_identified, omitted, references, relative, repeated, slope};
-use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
+use super::{
+    conditions, figures, has_errors, not_identified, omitted, references, relative, repeated, signs, slope, uncertain,
+};
+use crate::calibrate::{
+    ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, fit, quality, select,
+};
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -147,7 +151,18 @@ impl PreparedFit<'_> {
         not_identified::distances(&fit, &self.used, findings);
         references::check(self.used.iter().chain(&self.held_out), Together::Fit, findings);
         self.compare(&fit, findings, report);
+        let known = findings.len();
         findings.extend(worse(report));
+        if findings.iter().any(|one| one.code == Code::POOR_FIT || one.code == Code::NOT_SETTLED) {
+            // The parameters of the fit, selected ones too.
+            let fitted = fit.estimates.iter().filter(|one| one.inflation.is_finite());
+            let fitted: Vec<Parameter> = fitted.filter_map(|one| one.column.parameter()).collect();
+            let of = (self.begin.machine, self.begin.errors);
+            if let Some(found) = signs::wrong_sign(of, &fitted, (&self.used, &fit), self.options()) {
+                findings.truncate(known);
+                findings.push(found);
+            }
+        }
         if candidates.is_none() && !self.settings.is_automatic {
             report.omitted = omitted::check(
                 (self.begin.machine, self.begin.errors),
@@ -158,6 +173,7 @@ impl PreparedFit<'_> {
             );
         }
         self.rows(&fit, findings, report);
+        findings.extend(uncertain::replaced(self.begin.machine.uncertainty.as_ref(), &fit));
         Some(fit)
     }
 
@@ -180,12 +196,10 @@ impl PreparedFit<'_> {
     ) -> Option<Fit> {
         let data = self.data();
         let start = self.begin.errors;
-        let reversals = reversals(start, self.parameters.iter().chain(candidates.unwrap_or_default()), &data);
+        let reversals =
+            conditions::check_reversals(start, self.parameters.iter().chain(candidates.unwrap_or_default()), &data);
         if !reversals.is_empty() {
-            let help =
-                "backlash is not separable from a drift: remove \"drift\" from free, or the backlash from the model";
-            let told = |message| Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help);
-            findings.extend(reversals.into_iter().map(told));
+            findings.extend(reversals);
             return None;
         }
         let (mut fit, parameters) = match self.fitted(candidates, &data, report) {
@@ -196,6 +210,12 @@ impl PreparedFit<'_> {
             }
         };
         widen(&mut fit, self.begin.growth);
+        // Simulated repetitions have the noise of the readings alone.
+        let of_noise = self.settings.monte_carlo.map(|how| (how, fit.clone()));
+        if let Err(fault) = add_certificates(self.begin.machine, &parameters, &data, self.options(), &mut fit) {
+            not_identified::refuse(fault, "with the lengths of certificates: ", &self.used, findings);
+            return None;
+        }
         let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);
         for found in &fit.estimates {
             let one = estimate(found, start, &data);
@@ -212,11 +232,16 @@ impl PreparedFit<'_> {
         report.condition = Some(fit.condition);
         report.degrees_of_freedom = fit.freedom;
         report.rounds = fit.rounds;
-        if let Some(how) = self.settings.monte_carlo {
-            let (of, fitted) = ((self.begin.machine, parameters.as_slice()), (&fit, self.options()));
+        if let Some((how, of_noise)) = of_noise {
+            let (of, fitted) = ((self.begin.machine, parameters.as_slice()), (&of_noise, self.options()));
             repeated::repeat(of, &self.used, fitted, how, progress, findings, report);
         }
         slope::level(self.begin.machine, &parameters, &self.used, &mut fit, findings);
+        // A slope of the axis is not one of the alignment.
+        let unknowns = fit.estimates.iter().filter(|one| !one.column.is_of_machine());
+        for (shown, found) in report.unknowns.iter_mut().zip(unknowns) {
+            shown.value = estimate(found, start, &data).value;
+        }
         relative::check(self.begin.machine, &parameters, &self.used, &fit, findings);
         relative::check_pivots(self.begin.machine, &parameters, &self.used, &fit, findings);
         Some(fit)
@@ -490,10 +515,10 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
     let kinds = [(data.sigma, "lengths", "sigma_um"), (data.sigma_rad, "angles", "sigma_urad")];
     for ((sum, count, first), (sigma, what, key)) in sums.into_iter().zip(kinds) {
         if let (Some(sigma), Some(first)) = (sigma, first)
-            && (sum / count).sqrt() < sigma
+            && (sum / count).sqrt() < sigma * if count < FEW { LEAST_OF_FEW } else { LEAST_OF_MANY }
         {
             let (place, _) = cell(measurement, first, 0);
-            let message = format!("the RMS of all {what} is less than {key}");
+            let message = format!("the RMS of all {what} is far less than {key}");
             let help = format!("check the unit of the column and {key} in the description");
             findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
         }
@@ -502,6 +527,13 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
     check_bars(begin, measurement, max_mm, &mut findings);
     findings
 }
+
+/// Number of readings below which they can all be near zero by chance.
+const FEW: f64 = 10.0;
+/// Least RMS of many and of few readings, relative to their standard uncertainty. A wrong unit is a factor of 1000. A perfect axis has readings as large as their
+/// uncertainty, and a single one is below a hundredth of it with a probability of 0.8 %.
+const LEAST_OF_MANY: f64 = 0.1;
+const LEAST_OF_FEW: f64 = 0.01;
 
 /// Reports set-ups of a ball-bar in which most positions are not at its length from its center. A fit would take the difference for a free length.
 fn check_bars(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {

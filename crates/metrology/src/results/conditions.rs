@@ -1,7 +1,8 @@
-//! Temperatures and loads in measurements, compared with the needs of the machine's effects.
+//! Temperatures, loads and drifts in measurements, compared with the needs of the machine's errors.
 
 use super::measurement::Measurement;
-use crate::calibrate::Parameter;
+use crate::calibrate::{Parameter, reversals};
+use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_machine::machine::Condition;
@@ -82,4 +83,15 @@ pub(super) fn check(
             findings.push(Diagnostic::nowhere(Code::NO_LOAD, message, help));
         }
     }
+}
+
+/// Reports readings with an unknown drift whose component has backlash in the machine file or among the parameters: they are not separable.
+pub(super) fn check_reversals<'a>(
+    errors: &ErrorModel,
+    parameters: impl Iterator<Item = &'a Parameter>,
+    data: &[DataSet],
+) -> Vec<Diagnostic> {
+    let help = "backlash is not separable from a drift: remove \"drift\" from free, or the backlash from the model";
+    let told = |message| Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help);
+    reversals(errors, parameters, data).into_iter().map(told).collect()
 }

@@ -7,12 +7,12 @@ use serde::Serialize;
 pub use super::data_faults::DataFault;
 use super::extended::{Extended, ExtensionJob};
 use super::hypotheses::{self, HypothesisReport, HypothesisSet};
-use super::measurement::{Measurement, check_copies, check_near_copies};
+use super::measurement::{Measurement, check_copies};
 use super::readings::{self, ShownReadings};
 use super::references::Together;
 use super::size_range;
 pub use super::size_range::{PositionUnit, SizeRange};
-use super::{alignment, data_faults, has_errors, references};
+use super::{alignment, conditions, data_faults, has_errors, references};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::fault::{Checks, DefectKind};
@@ -349,9 +349,9 @@ pub struct CauseReport {
     pub separate_by: Option<String>,
     /// Possible correction.
     pub correctable: Correctable,
-    /// True if the written machine file contains it.
+    /// True if a machine file was written and contains it; false without a written file.
     pub extends: bool,
-    /// Reason why it is not or must not be in the file; `null` if it is, or if no file was requested.
+    /// Reason why a machine file must not contain it; `null` if it can.
     pub extends_why: Option<String>,
     /// Physical cause.
     pub made_by: String,
@@ -418,9 +418,9 @@ pub fn run(
         None => Vec::new(),
     };
     findings.extend(check_copies(&all));
-    if !has_errors(findings) {
-        findings.extend(check_near_copies(&all));
-    }
+    let drifting: Vec<DataSet> =
+        all.iter().filter(|one| !one.data.cycles.is_empty()).map(|one| one.data.clone()).collect();
+    findings.extend(conditions::check_reversals(errors, std::iter::empty(), &drifting));
     if has_errors(findings) {
         return None;
     }

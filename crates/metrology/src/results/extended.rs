@@ -2,7 +2,7 @@
 
 use super::not_identified;
 use super::widened::widen_to;
-use crate::calibrate::{Fit, FitOptions, Parameter, fit};
+use crate::calibrate::{Fit, FitOptions, Parameter, add_certificates, fit};
 use crate::diagnose::cause::range;
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, effect_of_others, note};
 use crate::diagnose::{AcceptedCause, DiagnosedCauses, EXPANDED, Scene, levels, residuals};
@@ -167,7 +167,8 @@ impl ExtensionJob<'_> {
         let used = self.scene.sets.iter().take(self.used);
         let sets: Vec<&DataSet> = used.collect();
         let mut ranges = measured_ranges(self.machine, sets.iter().copied(), None);
-        ranges.not_shown = not_shown(self.machine, &original, &ranges, (&sets, &[]));
+        let known: Vec<ParameterName> = parameters.iter().filter_map(|one| one.to_string().parse().ok()).collect();
+        ranges.not_shown = not_shown(self.machine, &original, &ranges, &sets, (&[], &known));
         let changed = ranges.written_into(&changed).ok_or(("measured is not a section".to_owned(), SECTIONS))?;
         let before = self.machine.uncertainty.as_ref();
         let changed = match fitted.as_ref().map(|fit| uncertainty_of(before, fit, None)) {
@@ -251,7 +252,9 @@ impl ExtensionJob<'_> {
     /// A fit as good as the result of the search; least squares without autocorrelation of the noise fail if terms are similar.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
         let found = fit(self.machine, read, parameters, data, FitOptions { robust: true });
-        let found = found.map_err(not_identified::words)?;
+        let mut found = found.map_err(not_identified::words)?;
+        add_certificates(self.machine, parameters, data, FitOptions { robust: true }, &mut found)
+            .map_err(not_identified::words)?;
         let [of_search, level] = self.levels([read, &found.errors], &[]);
         if level[0] > LOST * of_search[0] {
             return Err("the residual was larger than with the values of the search".into());

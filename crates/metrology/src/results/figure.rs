@@ -31,6 +31,9 @@ pub enum Standard {
     #[default]
     #[serde(rename = "")]
     None,
+    /// Straightness.
+    #[serde(rename = "ISO 230-1")]
+    Iso230Part1,
     /// Positioning.
     #[serde(rename = "ISO 230-2")]
     Iso230Part2,
@@ -48,6 +51,7 @@ impl Standard {
     pub fn name(self) -> &'static str {
         match self {
             Standard::None => "",
+            Standard::Iso230Part1 => "ISO 230-1",
             Standard::Iso230Part2 => "ISO 230-2",
             Standard::Iso230Part4 => "ISO 230-4",
             Standard::LeastSquares => "least squares",

@@ -53,7 +53,7 @@ pub fn of_all(
             of.features = features;
         }
         if of.figures.is_empty() {
-            let message = format!("{}: a {} measurement has no figures of ISO 230", of.name, of.kind);
+            let message = format!("{}: ncfix calculates no figures of ISO 230 for a {} measurement", of.name, of.kind);
             let help = "give readings of single components (direct), of a ball-bar, or of features (a column feature)";
             found.push(Diagnostic::nowhere(Code::DATA_COLUMN, message, help));
         }
@@ -103,12 +103,17 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
                 if figures.runs < RUNS { format!(", the standard requires {RUNS} runs") } else { String::new() };
             group.conditions =
                 vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
-            if *without_drift {
-                group.conditions.push("zero drift removed".into());
-            }
-            if *left_out > 0 {
-                group.conditions.push(format!("{left_out} left out, direction unknown"));
-            }
+            add_state(group, *without_drift, *left_out);
+        }
+        Figures::Straightness { figures, deviation, without_drift, left_out } => {
+            put("straightness", Some(deviation[0]), um);
+            put("end points", Some(deviation[1]), um);
+            put("R", figures.both.map(|both| both.repeatability), um);
+            put("B", figures.both.map(|both| both.reversal), um);
+            put("B mean", figures.both.map(|both| both.mean_reversal), um);
+            group.standard = Standard::Iso230Part1;
+            group.conditions = vec![format!("{} targets", figures.targets.len()), format!("{} runs", figures.runs)];
+            add_state(group, *without_drift, *left_out);
         }
         Figures::Circle { figures, radius_mm, paths } => {
             let end = |ends: Option<[f64; 2]>, which: usize| ends.and_then(|ends| ends.get(which).copied());
@@ -138,6 +143,16 @@ fn fill(group: &mut FigureGroup, figures: &Figures) {
             group.standard = Standard::LeastSquares;
             group.conditions = vec![format!("R {radius_mm:.3} mm"), format!("{points} readings")];
         }
+    }
+}
+
+/// Adds the conditions of the readings to those of their targets.
+fn add_state(group: &mut FigureGroup, without_drift: bool, left_out: usize) {
+    if without_drift {
+        group.conditions.push("zero drift removed".into());
+    }
+    if left_out > 0 {
+        group.conditions.push(format!("{left_out} left out, direction unknown"));
     }
 }
 

@@ -85,8 +85,11 @@ impl ComparedMeasurement<'_> {
         let repeated = names.iter().enumerate().filter_map(|(number, name)| {
             let own = whole.lines.iter().filter(|line| part_of(line) == Some(number));
             let values = own.filter_map(|line| Some((repeats::place(self.row(line)?), line.measured)));
+            let values: Vec<_> = values.collect();
+            let has_drift =
+                self.data.is_in_order && repeats::drifts(values.iter().map(|(place, value)| (place, *value)));
             let (sigma, repetitions) = repeats::pooled(values)?;
-            Some(RepeatedReadings { name: name.clone(), sigma: shown(sigma), repetitions })
+            Some(RepeatedReadings { name: name.clone(), sigma: shown(sigma), repetitions, has_drift })
         });
         let repeated: Vec<RepeatedReadings> = repeated.collect();
         let shown_readings = if with_readings {

@@ -67,6 +67,10 @@ pub struct HypothesisReport {
     pub variants: usize,
     /// Columns on which it depends.
     pub drivers: Vec<String>,
+    /// The words that distinguish the shown variant from the others; `null` for a single one.
+    pub variant: Option<String>,
+    /// For a supported hypothesis that the machine file can hold: the command that fits and writes it together with the causes beside it; otherwise `null`.
+    pub next: Option<String>,
 }
 
 /// The answer to a hypothesis.
@@ -139,15 +143,12 @@ pub(super) fn reports(trials: &StatedTrials, scene: &Scene<'_>) -> (Vec<Hypothes
 
 fn report(one: &HypothesisTrial, micro: f64) -> HypothesisReport {
     let is_shown = one.why_not_shown.is_none();
-    // The likelihood of a wrong noise may favor a term that the readings do not show otherwise. The terms of a sum may be certain only together.
-    let is_seen = one.amounts.iter().any(|amount| amount.value.abs() > amount.u95)
-        || (one.amounts.len() != 1 && one.gain.is_some_and(|gain| gain > 0.0));
     let answer = match one.evidence_beside {
         _ if !is_shown => HypothesisAnswer::NotShown,
         evidence if evidence >= STRONG && one.evidence_of_findings.is_some_and(|better| better >= STRONG) => {
             HypothesisAnswer::Outdone
         }
-        evidence if evidence >= STRONG && is_seen => HypothesisAnswer::Supported,
+        evidence if evidence >= STRONG && one.is_seen() => HypothesisAnswer::Supported,
         evidence if evidence <= -STRONG => HypothesisAnswer::Refuted,
         _ => HypothesisAnswer::Undecided,
     };
@@ -183,5 +184,11 @@ fn report(one: &HypothesisTrial, micro: f64) -> HypothesisReport {
         probability: one.probability,
         variants: one.variants,
         drivers: one.drivers.iter().map(|driver| driver.name.clone()).collect(),
+        variant: one.variant.clone(),
+        next: (answer == HypothesisAnswer::Supported && one.is_storable).then(|| {
+            let model: Vec<&str> =
+                one.beside_parameters.iter().map(String::as_str).chain([one.text.as_str()]).collect();
+            format!("ncfix calibrate DATA --machine M.toml --model \"{}\" -o NEW.toml", model.join(","))
+        }),
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::decompose::{self, Of};
-use crate::measure::copies::{Copied, copied};
+use crate::measure::copies::{Copied, ReadingsByPlace, copied};
 use crate::measure::data::{self, DataSet, Observation, ReadAs};
 use crate::measure::kind::Instruments;
 use crate::measure::trace::{self, Described, xml};
@@ -126,37 +126,36 @@ fn of_trace(
     }
 }
 
-/// Reports tables that equal an earlier one: readings that count twice underestimate uncertainties, and fitted ones are not an independent test.
+/// Reports tables that equal an earlier one, or contain its readings rounded or reordered: readings that count twice underestimate uncertainties, and
+/// fitted ones are not an independent test.
 #[must_use]
 pub fn check_copies(all: &[Measurement]) -> Vec<Diagnostic> {
+    let tell = |one: &Measurement, message: String| {
+        let help = "give each measurement once; hold out repeated readings";
+        let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
+        Diagnostic::at(Code::DATA_REPEATED, place, message, help)
+    };
     let mut findings = Vec::new();
     for (number, one) in all.iter().enumerate() {
         let same = |other: &&Measurement| other.sources[0].bytes() == one.sources[0].bytes();
         if let Some(first) = all.get(..number).unwrap_or_default().iter().find(same) {
-            let message = format!("the table is the same as {}", first.sources[0].name());
-            let help = "give each measurement once; hold out repeated readings";
-            let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
-            findings.push(Diagnostic::at(Code::DATA_REPEATED, place, message, help));
+            findings.push(tell(one, format!("the table is the same as {}", first.sources[0].name())));
         }
     }
-    findings
-}
-
-/// Reports tables that contain readings of an earlier one, rounded or reordered: fitted readings are not an independent test.
-#[must_use]
-pub fn check_near_copies(all: &[Measurement]) -> Vec<Diagnostic> {
-    let mut findings = Vec::new();
-    for (number, one) in all.iter().enumerate() {
-        let near = |other: &Measurement| {
-            copied(&other.data, &one.data).map(|copied| (other.sources[0].name().to_owned(), copied))
-        };
-        if let Some((first, Copied { readings, of })) = all.get(..number).unwrap_or_default().iter().find_map(near) {
-            let message = format!(
-                "{readings} of {of} readings at the same places are those of {first}, rounded or in another order: repeated readings would differ by their noise"
-            );
-            let help = "give each measurement once; hold out repeated readings";
-            let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
-            findings.push(Diagnostic::at(Code::DATA_REPEATED, place, message, help));
+    if !findings.is_empty() || all.len() < 2 {
+        return findings;
+    }
+    let by_place: Vec<ReadingsByPlace> = all.iter().map(|one| ReadingsByPlace::new(&one.data)).collect();
+    for (number, (one, own)) in all.iter().zip(&by_place).enumerate() {
+        let mut earlier = all.iter().zip(&by_place).take(number);
+        let near = earlier.find_map(|(first, of_first)| Some((first.sources[0].name(), copied(of_first, own)?)));
+        if let Some((first, Copied { readings, of })) = near {
+            findings.push(tell(
+                one,
+                format!(
+                    "{readings} of {of} readings at the same places are those of {first}, rounded or in another order: repeated readings would differ by their noise"
+                ),
+            ));
         }
     }
     findings

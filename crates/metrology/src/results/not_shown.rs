@@ -1,28 +1,46 @@
-//! Squareness, positioning and straightness errors that no reading of a calibration can show.
+//! Squareness, positioning and straightness errors, tilts of the spindle, and places of rotary axes, that no reading of a calibration can show.
 //!
 //! A laser along X and another along Y say nothing about the angle between the two axes, and neither does a straightness whose reference was aligned by hand.
 //! The error model then has no squareness, and nothing distinguishes it from a measured one of zero. So the machine file names it.
 
+use super::rotary_places::{places, shows_place};
+use crate::calibrate::automatic::usual_errors;
 use crate::calibrate::{Parameter, identify};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, Axis, Plane};
 use ncfix_machine::machine::squareness::{pair, squareness};
 use ncfix_machine::machine::{Machine, MeasuredRanges};
-use ncfix_model::coverage::{states_slope, states_squareness};
+use ncfix_model::coverage::{states_place, states_slope, states_squareness};
 use ncfix_model::name::{DIRECTIONS, ErrorName};
+use ncfix_model::parameter::ComponentTerm;
 use ncfix_model::{ErrorModel, ParameterName};
 
-/// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show.
-/// `ranges` are those after the measurements. A squareness that the readings show and the model lacks (`omitted`) remains unknown: other parameters have
-/// absorbed it. What an earlier calibration has shown remains known. `None` if there is
-/// nothing to state.
+/// Length of a travel below which an axis counts as standing, mm or rad.
+const STANDS: f64 = 1e-6;
+
+/// Difference of tool lengths below which they are one, mm.
+const ONE_LENGTH_MM: f64 = 1.0;
+
+/// Component of the spindle axis above which a turn about this direction is no tilt.
+const ALONG: f64 = 0.99;
+
+/// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show,
+/// and likewise errors of one measured axis and places of rotary axes.
+/// `ranges` are those after the measurements. The readings show an error only if they separate it from the location errors and scales of the machine.
+/// A squareness that they show and the model lacks, or that was left out of it (`omitted`), remains unknown: other parameters have absorbed it. What the fit
+/// has found (`fitted`) is known, and so is what an earlier calibration has shown. `None` if there is nothing to state.
 #[must_use]
 pub fn not_shown(
     machine: &Machine,
     start: &ErrorModel,
     ranges: &MeasuredRanges,
-    (sets, omitted): (&[&DataSet], &[String]),
+    sets: &[&DataSet],
+    (omitted, fitted): (&[String], &[ParameterName]),
 ) -> Option<Vec<String>> {
+    let data: Vec<DataSet> = sets.iter().map(|set| (*set).clone()).collect();
+    let others = separate_from(machine, start, &data);
+    let shows = |name: ParameterName| shows_beside(machine, name, &others, &data);
+    let is_fitted = |name: &ErrorName| fitted.iter().any(|own| own.component == *name);
     let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
     let earlier = machine.measured.as_ref();
     let is_open = |name: &str, axes: [Axis; 2]| {
@@ -38,10 +56,10 @@ pub fn not_shown(
         // The slope of one axis against a reference that stands for the other has the second name.
         let names = [error, term.other.parse().ok()?];
         let [first, second, _] = pair(plane);
-        let is_omitted = omitted.contains(&term.name);
+        let is_omitted = omitted.contains(&term.name) && !names.iter().any(is_fitted);
         let is_missing = is_open(&term.name, [first, second])
             && !states_squareness(start, error, [first, second])
-            && (is_omitted || !names.into_iter().any(|name| sets.iter().any(|set| shows(machine, name, set))));
+            && (is_omitted || !names.iter().any(|name| is_fitted(name) || shows(ParameterName::location(*name))));
         is_missing.then_some(term.name)
     };
     let mut names: Vec<String> = [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect();
@@ -50,11 +68,37 @@ pub fn not_shown(
         let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
         let was_measured = earlier.is_some_and(|one| one.axes.contains_key(&axis));
         let is_stated = start.motion.iter().any(|error| error.name == *name);
-        (is_listed || !was_measured) && !is_stated && !sets.iter().any(|set| shows_shape(machine, *name, axis, set))
+        // A scale, or the bow of a straightness.
+        let degree = if name.direction.index() == axis.dimension() { 1 } else { 2 };
+        let is_open = (is_listed || !was_measured) && !is_stated && !is_fitted(name);
+        is_open && !shows(ParameterName::coefficient(*name, degree))
     };
     for axis in AXES.into_iter().filter(|axis| !axis.is_rotary() && ranges.axes.contains_key(axis)) {
         let own = DIRECTIONS[..3].iter().map(|&direction| ErrorName::motion(direction, axis));
         names.extend(own.filter(|name| is_unknown(axis, name)).map(|name| name.to_string()));
+    }
+    // The place of a rotary axis that was measured.
+    for place in places(machine) {
+        let of = |measured: &MeasuredRanges| place.axes.iter().any(|axis| measured.axes.contains_key(axis));
+        let name = place.name.to_string();
+        let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|listed| *listed == name));
+        let is_known = !is_listed && earlier.is_some_and(of) || states_place(start, place.name);
+        if of(ranges) && !is_known && !sets.iter().any(|set| shows_place(machine, &place, set)) {
+            names.push(name);
+        }
+    }
+    // Several tool lengths show how far the spindle is tilted only if they meet at one place. Heads were looked at above.
+    let has_lengths = ranges.tool_length_mm.is_some_and(|[low, high]| high - low > ONE_LENGTH_MM);
+    let turns = machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    if has_lengths && !turns {
+        let is_open = |name: &ErrorName| {
+            let is_known = states_place(start, *name) || is_fitted(name);
+            !is_known && !shows(ParameterName::location(*name))
+        };
+        let tilts = DIRECTIONS[3..].iter().filter(|of| machine.spindle.axis[of.index() % 3].abs() < ALONG);
+        let tilts = tilts.map(|&of| ErrorName::spindle(of)).filter(is_open).map(|name| name.to_string());
+        let new: Vec<String> = tilts.filter(|name| !names.contains(name)).collect();
+        names.extend(new);
     }
     let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
     (was_stated || !names.is_empty()).then_some(names)
@@ -74,17 +118,30 @@ pub(super) fn lacking(machine: &Machine, start: &ErrorModel, parameters: &[Param
     [Plane::XY, Plane::ZX, Plane::YZ].into_iter().filter_map(of_plane).collect()
 }
 
-/// True if the readings of a measurement can show the positioning of an axis, or the bow of a straightness, beside the unknowns of its set-ups.
-fn shows_shape(machine: &Machine, name: ErrorName, axis: Axis, set: &DataSet) -> bool {
-    let degree = if name.direction.index() == axis.dimension() { 1 } else { 2 };
-    let parameter = Parameter::from(ParameterName::coefficient(name, degree));
-    let found = identify(machine, &ErrorModel::default(), &[parameter], std::slice::from_ref(set));
-    found.is_some_and(|found| found.inflation.first().is_some_and(|inflation| inflation.is_finite()))
+/// The location errors and scales beside which readings must show another error. The places of a rotary axis that stands are those of the set-ups.
+fn separate_from(machine: &Machine, start: &ErrorModel, data: &[DataSet]) -> Vec<ParameterName> {
+    let turns = |axis: Axis| {
+        let mut places = data.iter().flat_map(|set| &set.observations).map(|row| row.reading.position[axis]);
+        places.next().is_some_and(|first| places.any(|at| (at - first).abs() > STANDS))
+    };
+    let is_needed = |name: &ParameterName| {
+        let stands = name.component.axis().is_some_and(|axis| axis.is_rotary() && !turns(axis));
+        name.term != ComponentTerm::Backlash && !stands
+    };
+    usual_errors(machine, start, data).into_iter().filter(is_needed).collect()
 }
 
-/// True if the readings of a measurement can show a squareness beside the unknowns of its set-ups.
-fn shows(machine: &Machine, error: ErrorName, set: &DataSet) -> bool {
-    let parameter = Parameter::from(ParameterName::location(error));
-    let found = identify(machine, &ErrorModel::default(), &[parameter], std::slice::from_ref(set));
+/// True if readings can show an error beside the others and the unknowns of the set-ups. Either name of a squareness is the same angle.
+fn shows_beside(machine: &Machine, error: ParameterName, others: &[ParameterName], data: &[DataSet]) -> bool {
+    let is_other = |name: &&ParameterName| {
+        let is_angle = |name: &ParameterName| {
+            name.term == ComponentTerm::Whole && name.component.axis().is_some_and(|axis| !axis.is_rotary())
+        };
+        let is_same_angle = is_angle(name) && is_angle(&error) && name.component.direction == error.component.direction;
+        **name != error && !is_same_angle
+    };
+    let parameters: Vec<Parameter> =
+        std::iter::once(&error).chain(others.iter().filter(is_other)).map(|name| Parameter::from(*name)).collect();
+    let found = identify(machine, &ErrorModel::default(), &parameters, data);
     found.is_some_and(|found| found.inflation.first().is_some_and(|inflation| inflation.is_finite()))
 }

@@ -41,21 +41,25 @@ pub(super) fn check(
         let mut own = fit.errors.motion.iter().filter(|error| error.name == name.component);
         own.any(|error| !matches!(error.function, EntryFunction::Backlash(_)))
     };
-    let unknown: Vec<String> = scales
-        .iter()
-        .filter(|(_, name)| !is_fitted(name) && !is_stated(name))
-        .map(|(axis, _)| axis.to_string())
-        .collect();
-    if fitted.is_empty() || unknown.is_empty() {
-        return;
-    }
     let data = data_of(used);
     let shows_all = |scales: &[(Axis, ParameterName)]| {
         let all: Vec<Parameter> = scales.iter().map(|(_, name)| Parameter::from(*name)).collect();
         identify(machine, &fit.errors, &all, &data).is_some_and(|found| found.lost.leave_out.is_empty())
     };
+    // An axis that a laser only stood at does not act on the readings: its scale is not in them.
+    let of_unknown: Vec<(Axis, ParameterName)> = scales
+        .iter()
+        .filter(|(_, name)| !fitted.is_empty() && !is_fitted(name) && !is_stated(name))
+        .filter(|scale| shows_all(std::slice::from_ref(*scale)))
+        .cloned()
+        .collect();
+    let unknown: Vec<String> = of_unknown.iter().map(|(axis, _)| axis.to_string()).collect();
+    if fitted.is_empty() || unknown.is_empty() {
+        return;
+    }
     let of_model: Vec<(Axis, ParameterName)> = scales.iter().filter(|(_, name)| is_fitted(name)).cloned().collect();
-    if shows_all(&scales) || !shows_all(&of_model) {
+    let together: Vec<(Axis, ParameterName)> = of_model.iter().chain(&of_unknown).cloned().collect();
+    if shows_all(&together) || !shows_all(&of_model) {
         return;
     }
     let are = if fitted.len() > 1 { "are" } else { "is" };

@@ -36,6 +36,30 @@ pub(super) fn pooled<P: Ord>(values: impl IntoIterator<Item = (P, f64)>) -> Opti
     (repetitions > 0).then(|| ((squares / repetitions as f64).sqrt(), repetitions))
 }
 
+/// True if the deviations from the mean of each place, in the order of the readings, change slowly: the scatter is then mostly a drift.
+///
+/// The ratio of von Neumann (1941): half the mean square of the steps over the mean square. It is 1 for noise, with a standard deviation of 1/√n.
+pub(super) fn drifts<P: Ord>(values: impl IntoIterator<Item = (P, f64)>) -> bool {
+    /// Ratio below which less than half of the scatter is noise.
+    const NOISE: f64 = 0.5;
+    /// Number of its standard deviations by which it must differ from that of noise.
+    const SURELY: f64 = 4.0;
+    let values: Vec<(P, f64)> = values.into_iter().collect();
+    let mut places: BTreeMap<&P, (f64, f64)> = BTreeMap::new();
+    for (place, value) in &values {
+        let sums = places.entry(place).or_default();
+        *sums = (sums.0 + value, sums.1 + 1.0);
+    }
+    let of = |(place, value): &(P, f64)| places.get(place).map(|(sum, count)| (value - sum / count, *count));
+    let repeated: Vec<f64> =
+        values.iter().filter_map(of).filter(|(_, count)| *count > 1.0).map(|(off, _)| off).collect();
+    let count = repeated.len() as f64;
+    let squares: f64 = repeated.iter().map(|off| off * off).sum();
+    let steps: f64 = repeated.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let ratio = if squares > 0.0 { steps / 2.0 / squares } else { 1.0 };
+    ratio < NOISE && ratio < 1.0 - SURELY / count.sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +71,17 @@ mod tests {
         let (sigma, repetitions) = pooled(values).unwrap();
         assert!((sigma - (10.0_f64 / 3.0).sqrt()).abs() < 1e-12 && repetitions == 3, "{sigma} {repetitions}");
         assert_eq!(pooled([(1, 1.0), (2, 5.0)]), None);
+    }
+
+    #[test]
+    fn a_slow_change_is_a_drift_and_an_alternating_one_is_not() {
+        // Steps of 1 over 40 readings of one place: Σ steps² = 39, Σ squares = 40 (40² − 1)/12 = 5330; ratio 0.004.
+        assert!(drifts((0..40).map(|k| (0, f64::from(k)))));
+        // ±1 in turn: Σ steps² = 4 · 39, Σ squares = 40; ratio 1.95.
+        assert!(!drifts((0..40).map(|k| (0, if k % 2 == 0 { 1.0 } else { -1.0 }))));
+        // The error of each place is not a drift: ten runs over four places without any scatter in order.
+        assert!(!drifts(
+            (0..40).map(|k| (k % 4, 100.0 * f64::from(k % 4) + if (k / 4 + k) % 2 == 0 { 1.0 } else { -1.0 }))
+        ));
     }
 }

@@ -4,8 +4,10 @@
 //! curvature has its vertex at the zero of the axis, so that without a slope it would tilt the axis by an arbitrary angle.
 
 use super::measurement::{Measurement, data_of};
-use crate::calibrate::{Fit, Parameter, identify};
+use crate::calibrate::{Column, Estimate, Fit, Parameter, identify};
 use crate::diagnose::cause::own;
+use crate::measure::data::DataSet;
+use crate::measure::kind::Unknown;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_base::number::significant;
@@ -74,6 +76,8 @@ pub(super) fn level(
             let Some([low, high]) = own.filter(|[low, high]| high > low) else { continue };
             let value = -mean_slope(&fitted, fit, axis, [low, high]);
             slope.set(&mut fit.errors, value);
+            add_slope(fit, (slope, value), &fitted, (axis, [low, high]));
+            align(fit, (component, value), &data);
             let message = format!(
                 "the readings show the curvature of {component}, but not its slope; ncfix sets {slope} to {} µrad, so that the mean slope of \
                  {axis} from {low} to {high} mm is zero",
@@ -81,6 +85,48 @@ pub(super) fn level(
             );
             let help = "measure the squareness of this axis too; until then its slope is not corrected";
             findings.push(Diagnostic::nowhere(Code::SLOPE_NOT_SHOWN, message, help));
+        }
+    }
+}
+
+/// Adds a slope that follows from the fitted curve, with the uncertainty that it has by the curve, so that the mean slope has none. The unknown mean slope is
+/// that of the squareness. Its inflation is infinite, because no reading shows it.
+fn add_slope(
+    fit: &mut Fit,
+    (slope, value): (ParameterName, f64),
+    fitted: &[ParameterName],
+    (axis, range): (Axis, [f64; 2]),
+) {
+    let own = fit.estimates.iter().filter_map(|one| one.column.parameter());
+    let rows: Vec<(f64, &Vec<f64>)> = own
+        .zip(&fit.factor)
+        .filter_map(|(parameter, row)| {
+            let name = fitted.iter().find(|name| Parameter::from(**name) == parameter)?;
+            Some((slope_of(name, axis, range), row))
+        })
+        .collect();
+    let width = rows.iter().map(|(_, row)| row.len()).max().unwrap_or(0);
+    let part =
+        |at: usize| -> f64 { rows.iter().map(|(share, row)| -share * row.get(at).copied().unwrap_or(0.0)).sum() };
+    let row: Vec<f64> = (0..width).map(part).collect();
+    let sigma = row.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let column = Column::from(Parameter::from(slope));
+    fit.estimates.push(Estimate { column, value, sigma, inflation: f64::INFINITY, effect_mm: 0.0 });
+    fit.factor.push(row);
+}
+
+/// Takes a slope of the axis out of the alignments that contain it.
+fn align(fit: &mut Fit, (component, value): (ErrorName, f64), data: &[DataSet]) {
+    for one in &mut fit.estimates {
+        let Column::Unknown(set, Unknown::Slope(place)) = one.column else { continue };
+        // A set-up without readings of the component has no alignment of it.
+        if !one.inflation.is_finite() {
+            continue;
+        }
+        let Some(targets) = data.get(set).map(|set| &set.targets) else { continue };
+        let own = targets.get(place % targets.len().max(1)).and_then(|name| name.parse::<ErrorName>().ok());
+        if own == Some(component) {
+            one.value -= value;
         }
     }
 }
@@ -110,16 +156,19 @@ pub(super) fn range(used: &[Measurement], axis: Axis) -> Option<[f64; 2]> {
 }
 
 /// Slope of the least-squares line through the fitted curve.
-fn mean_slope(fitted: &[ParameterName], fit: &Fit, axis: Axis, [low, high]: [f64; 2]) -> f64 {
+fn mean_slope(fitted: &[ParameterName], fit: &Fit, axis: Axis, range: [f64; 2]) -> f64 {
+    fitted.iter().map(|name| name.get(&fit.errors) * slope_of(name, axis, range)).sum()
+}
+
+/// Slope of the least-squares line through the curve of one unit of a parameter.
+fn slope_of(name: &ParameterName, axis: Axis, [low, high]: [f64; 2]) -> f64 {
     let middle = f64::midpoint(low, high);
     let mut sums = [0.0; 2];
     for k in 0..POINTS {
         let at = low + (high - low) * (f64::from(k) + 0.5) / f64::from(POINTS);
         let mut command = AxisVector::default();
         command[axis] = at;
-        let value: f64 =
-            fitted.iter().map(|name| name.get(&fit.errors) * name.weight(&command, &State::default())).sum();
-        sums[0] += value * (at - middle);
+        sums[0] += name.weight(&command, &State::default()) * (at - middle);
         sums[1] += (at - middle).powi(2);
     }
     sums[0] / sums[1]

@@ -6,14 +6,15 @@ use super::extended::{StartFile, load, made};
 use crate::calibrate::Parameter;
 use crate::diagnose::cause::Causes;
 use crate::diagnose::extend::{Anchor, Change, again};
-use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, TermAmount, TermRefusal, stated_model};
+use crate::diagnose::stated::{self, ModelTerm, StatedHypothesis, StatedModel, TermAmount, TermRefusal, stated_model};
 use crate::diagnose::{EXPANDED, Scene};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::number::significant;
 use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::machine::edit::Edit;
+use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_machine::machine::uncertainty::SECTION;
 use ncfix_model::{ErrorModel, ModelRegisters, ParameterName};
 
 const SECTIONS: &str = "write [location] and [[motion]] as separate sections";
@@ -83,7 +84,7 @@ pub fn start_with_terms(
             Parameter::Effect(_) => None,
         })
         .collect();
-    let (found, growth) = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
+    let StatedModel { terms: found, growth, lack } = stated_model(&stated, &beside, &Causes::default(), &scene, &bare);
     let (mut grown, mut terms, mut all) = (std::str::from_utf8(file.bytes()).ok()?.to_owned(), Vec::new(), Vec::new());
     let mut is_sound = true;
     let mut doubts = Vec::new();
@@ -99,7 +100,7 @@ pub fn start_with_terms(
             Ok(ModelTerm::Changes(changes, amounts)) => {
                 let entered = enter((file, registers, None), &grown, &changes, &note(one, &changes, &amounts));
                 match entered {
-                    Ok(text) => grown = text,
+                    Ok(text) => grown = with_uncertainty(machine, text, &changes, &amounts),
                     Err(why) => {
                         is_sound = false;
                         refuse(findings, Some(one), format!("{}: {why}", one.text), "remove the entry, or the term");
@@ -129,6 +130,7 @@ pub fn start_with_terms(
         return None;
     }
     findings.extend(doubts);
+    findings.extend(lack.and_then(|times| lacking(&stated, times, text)));
     let read = load((file, registers, None), &grown);
     let Some(read) = read else {
         refuse(findings, None, format!("{} cannot be read back", file.name()), SECTIONS);
@@ -162,6 +164,28 @@ fn enter(from: StartFile<'_>, text: &str, changes: &[Change], note: &[String]) -
     Ok(if is_noted { edit.text() } else { own })
 }
 
+/// The text with the standard uncertainties of its new tables and grids in `[uncertainty]`: each that of the whole error, the largest of its values. An
+/// uncertainty that the file states already stays.
+fn with_uncertainty(machine: &Machine, text: String, changes: &[Change], amounts: &[TermAmount]) -> String {
+    let Some(mut edit) = Edit::parse(&text) else { return text };
+    let is_known = |name: &str| machine.uncertainty.as_ref().is_some_and(|own| own.rows.contains_key(name));
+    // Of the fit: that of the values also has the other explanations.
+    let shares = amounts.iter().map(|own| EXPANDED * own.sigma / own.u95).filter(|share| share.is_finite());
+    let share = shares.fold(0.0, f64::max);
+    let mut is_done = true;
+    for change in changes {
+        // A play has the key of its reversal value.
+        let Change::Shape { name, u95, kind: "table" | "grid", .. } = change else { continue };
+        let largest = u95.iter().flatten().copied().fold(0.0, f64::max);
+        // To 0.1 nm or 0.1 nrad.
+        let sigma = (1e4 * share * largest / EXPANDED).ceil() / 1e4;
+        if sigma > 0.0 && sigma.is_finite() && !is_known(&name.to_string()) {
+            is_done &= edit.set(SECTION, &name.to_string(), &Given::Number(sigma));
+        }
+    }
+    if is_done { edit.text() } else { text }
+}
+
 /// The warning that the readings do not show a term: every amount of it may be 0. The term is written all the same, because the user stated it.
 fn doubt(one: &StatedHypothesis, amounts: &[TermAmount], place: Place) -> Option<Diagnostic> {
     if amounts.is_empty() || amounts.iter().any(|own| own.value.abs() > own.u95) {
@@ -182,6 +206,23 @@ fn doubt(one: &StatedHypothesis, amounts: &[TermAmount], place: Place) -> Option
     );
     let help = "remove the term, or measure where it acts; `ncfix diagnose --hypothesis` weighs the evidence";
     Some(Diagnostic::at(Code::NOT_SHOWN, place, message, help))
+}
+
+/// The warning that the model of stated terms lacks an error: the amounts absorb a part of it.
+fn lacking(stated: &[StatedHypothesis], times: f64, text: &Source) -> Option<Diagnostic> {
+    let first = stated.first()?;
+    let place = Place { file: text.id(), span: first.span };
+    let message = format!(
+        "{}: the readings have another error beside this model: the residual (RMS) is {} times the scatter of repeated readings",
+        first.text,
+        significant(times)
+    );
+    let help = format!(
+        "name the whole model: `ncfix diagnose DATA --machine M.toml --hypothesis \"{}\"` states it after `next:`; until then the amount can be \
+         wrong by more than its uncertainty",
+        first.text
+    );
+    Some(Diagnostic::at(Code::POOR_FIT, place, message, help))
 }
 
 /// The note at the term in the file. Amounts that are parameters of the fit stand in the entry itself, and a later fit may change them.

@@ -73,7 +73,7 @@ pub struct CoverageGap {
     pub table: Option<ErrorName>,
     /// Squareness that no measurement shows.
     pub squareness: Option<ErrorName>,
-    /// Positioning and straightness errors that no measurement shows.
+    /// Positioning and straightness errors, and places of rotary axes, that no measurement shows.
     pub components: Vec<ErrorName>,
     /// Lowest and highest value in use: mm, rad, °C or N.
     pub used: [f64; 2],
@@ -145,6 +145,22 @@ impl Coverage {
         gaps.extend(survey.load());
         gaps.sort_by_key(|gap| gap.kind);
         Coverage { is_stated, gaps }
+    }
+
+    /// Largest change of the error of the tip over the used ranges if its tool has the length of `tools_mm[1]` instead of `tools_mm[0]`, mm.
+    #[must_use]
+    pub fn change_with_tool(
+        machine: &Machine,
+        errors: &ErrorModel,
+        condition: &Condition,
+        used: &UsedRanges,
+        tools_mm: [&Vector; 2],
+    ) -> f64 {
+        let survey = Survey::new(machine, errors, condition, used);
+        let error = |pose: &AxisVector, tool_mm| survey.model.deviation(pose, tool_mm, &State::default()).translation;
+        let [one, other] = tools_mm;
+        let change = |pose: &AxisVector| (error(pose, other) - error(pose, one)).norm();
+        survey.poses.iter().map(change).fold(0.0, f64::max)
     }
 
     /// True if the measured ranges are known and nothing goes beyond them.
@@ -309,7 +325,7 @@ impl<'a> Survey<'a> {
     /// Pairs of axes that both move, and whose squareness the calibration could not show.
     fn squareness(&self, gaps: &mut Vec<CoverageGap>) {
         for name in self.measured.not_shown.iter().flatten() {
-            let named = name.parse().ok().filter(|name: &ErrorName| name.kind == ErrorKind::Location);
+            let named = name.parse().ok().filter(is_squareness);
             let Some((name, axes)) = named.and_then(|name| Some((name, pair_of(name)?))) else {
                 continue;
             };
@@ -333,13 +349,38 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Axes that move, and whose positioning or straightness the calibration could not show. An error that the file states is known from elsewhere.
+    /// Axes that move, and whose positioning or straightness, or whose place if they turn, the calibration could not show. An error that the file states is known
+    /// from elsewhere.
     fn components(&self, gaps: &mut Vec<CoverageGap>) {
         let names = self.measured.not_shown.iter().flatten().filter_map(|name| name.parse::<ErrorName>().ok());
-        let is_stated = |name: &ErrorName| self.errors.motion.iter().any(|error| error.name == *name);
-        let open: Vec<ErrorName> = names.filter(|name| name.kind == ErrorKind::Motion && !is_stated(name)).collect();
-        for (&axis, &used) in self.used.axes.iter().filter(|(_, [low, high])| high - low > ON_LIMIT) {
-            let components: Vec<ErrorName> = open.iter().filter(|name| name.axis() == Some(axis)).copied().collect();
+        let is_stated = |name: &ErrorName| match name.kind {
+            ErrorKind::Motion => self.errors.motion.iter().any(|error| error.name == *name),
+            ErrorKind::Location => states_place(self.errors, *name),
+        };
+        let open: Vec<ErrorName> = names.filter(|name| !is_squareness(name) && !is_stated(name)).collect();
+        // A rotary axis in its zero position is where the others were measured.
+        let moves = |axis: Axis, [low, high]: [f64; 2]| {
+            if axis.is_rotary() { low.abs().max(high.abs()) > ON_LIMIT } else { high - low > ON_LIMIT }
+        };
+        let moving: Vec<(Axis, [f64; 2])> = self
+            .used
+            .axes
+            .iter()
+            .map(|(&axis, &used)| (axis, used))
+            .filter(|&(axis, used)| moves(axis, used))
+            .collect();
+        // The place of the spindle belongs to the first axis that turns it.
+        let turns_spindle = |axis: &Axis| axis.is_rotary() && self.machine.topology.tool.contains(axis);
+        let of_spindle = moving.iter().map(|(axis, _)| *axis).find(turns_spindle);
+        // A spindle that nothing turns displaces its tools by their lengths, whichever axis moves.
+        let is_fixed = !self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
+        let of_spindle = of_spindle.or_else(|| moving.first().map(|(axis, _)| *axis).filter(|_| is_fixed));
+        for (axis, used) in moving {
+            let is_own = |name: &&ErrorName| match name.axis() {
+                Some(own) => own == axis,
+                None => of_spindle == Some(axis),
+            };
+            let components: Vec<ErrorName> = open.iter().filter(is_own).copied().collect();
             if components.is_empty() {
                 continue;
             }
@@ -459,6 +500,21 @@ fn pair_of(name: ErrorName) -> Option<[Axis; 2]> {
     let about = name.direction.index() % 3;
     let other = LINEAR_AXES.into_iter().find(|other| ![about, axis.dimension()].contains(&other.dimension()))?;
     Some(if axis < other { [axis, other] } else { [other, axis] })
+}
+
+/// True for the rotation of a linear axis as a whole.
+fn is_squareness(name: &ErrorName) -> bool {
+    name.is_location() && name.direction.is_rotation() && name.axis().is_some_and(|axis| !axis.is_rotary())
+}
+
+/// True if an error model states a location error: as such, or as the constant of a motion error of the same axis.
+#[must_use]
+pub fn states_place(errors: &ErrorModel, name: ErrorName) -> bool {
+    errors.location.iter().any(|error| error.name == name)
+        || name.axis().is_some_and(|axis| {
+            let motion = ErrorName::motion(name.direction, axis);
+            errors.motion.iter().any(|error| error.name == motion && coefficient(error, 0) != 0.0)
+        })
 }
 
 /// True if an error model states the squareness of two axes: as a location error of one of them, or as the constant of a rotation.

@@ -47,18 +47,27 @@ impl Coverage {
         found
     }
 
-    /// Returns message and help of positioning and straightness errors that no measurement shows.
+    /// Returns message and help of positioning and straightness errors, and places of rotary axes, that no measurement shows.
     fn components(&self) -> Option<(String, String)> {
         let (axes, verb, ..) = self.subjects(GapKind::Component)?;
-        let names: Vec<String> = self
-            .gaps
-            .iter()
-            .flat_map(|gap| &gap.components)
-            .map(|name| format!("{name} ({})", name.spelled_out()))
-            .collect();
-        let message = format!("{axes} {verb}, and no measurement shows {}", names.join(", "));
-        let help = "measure them, for example with a ball-bar, a straightness optic or probed balls, and calibrate; or remove those that are known from not_shown in [measured]";
-        Some((message, help.to_owned()))
+        let all = || self.gaps.iter().flat_map(|gap| &gap.components);
+        let names: Vec<String> = all().map(|name| format!("{name} ({})", name.spelled_out())).collect();
+        // The other axes of a machine show no bound: a place or a scale that nobody measured is as it was adjusted.
+        let size = if names.len() == 1 { "its size is unknown" } else { "their sizes are unknown" };
+        let message = format!("{axes} {verb}, and no measurement shows {}; {size}", names.join(", "));
+        let of_spindle = all().all(|name| name.axis().is_none());
+        let example = match (all().any(|name| name.is_location()), all().any(|name| !name.is_location())) {
+            (true, false) if of_spindle => {
+                "with two tool lengths at one ball that stays in its place, or with an R-test"
+            }
+            (true, false) => "with an R-test or probed balls while the rotary axes turn",
+            (true, true) => "with probed balls while all these axes move",
+            _ => "with a ball-bar, a straightness optic or probed balls",
+        };
+        let help = format!(
+            "measure them, for example {example}, and calibrate; or remove those that are known from not_shown in [measured]"
+        );
+        Some((message, help))
     }
 
     /// Returns the axes of a kind of gaps as a subject, with its verb, its errors and its passive.
@@ -104,7 +113,8 @@ fn unit(kind: GapKind, is_angle: bool) -> &'static str {
 fn squareness(gap: &CoverageGap) -> Option<(String, String)> {
     let name = gap.squareness?;
     let [one, two] = super::pair_of(name)?;
-    let message = format!("{one} and {two} move, and no measurement shows their squareness {name}");
+    let message =
+        format!("{one} and {two} move, and no measurement shows their squareness {name}; its size is unknown");
     let help = format!(
         "measure it, for example with a ball-bar in the plane of {one} and {two}, and calibrate; or remove {name} from not_shown in [measured] if it is known"
     );
@@ -139,7 +149,13 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
             let than = if gap.beyond > 0.0 { "longer" } else { "shorter" };
             let message =
                 format!("a tool of {used} mm is {far} mm {than} than the tools of the measurement, {ends} mm{size}");
-            (message, "measure with a tool of this length, or choose another tool".to_owned())
+            // Then the tilt of an axis that carries the spindle stands for that of the spindle too.
+            let help = if ends.contains(" to ") {
+                "measure with a tool of this length, or choose another tool"
+            } else {
+                "measure with a second tool length, and calibrate with EA0S and EB0S: readings with one length do not show a tilt of the spindle against its axis"
+            };
+            (message, help.to_owned())
         }
         GapKind::Temperature => {
             let sensor = gap.sensor.as_deref().unwrap_or_default();

@@ -13,9 +13,11 @@ mod kept;
 mod line;
 mod number;
 mod passes;
+mod sections;
 mod sinumerik;
 mod stamp;
 mod stops;
+mod subprograms;
 mod traces;
 mod words;
 
@@ -25,10 +27,12 @@ pub use flat::{PartFrame, flat, flat_part};
 pub use growth::{growth, lines_with_words};
 pub use guard::{GuardLines, GuardWords, GuardedData, GuardedTool, GuardedZero};
 pub use number::Decimals;
+pub use sections::without_sections;
 pub use stamp::{
     Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,
 };
 
+pub use subprograms::{FoldedProgram, SubprogramNames, SubprogramStyle, fold};
 pub use traces::{CorrectionTrace, correction_trace};
 
 use std::io::{self, Write};
@@ -74,6 +78,8 @@ pub trait Writer: Send {
     fn keep_lines(&mut self, _program: Source) {}
     /// Comments on further passes of loops, for people who read the file.
     fn mark_passes(&mut self) {}
+    /// Marks sections that can become subprograms, for [`fold`].
+    fn mark_sections(&mut self) {}
     /// The number of lines with words written so far, without comments and headers.
     fn blocks(&self) -> u64;
 }
@@ -95,6 +101,8 @@ pub struct WriterEntry {
     pub has_machine_frame: bool,
     /// `true` if the language has five-axis transformations that the output keeps.
     pub has_transformation: bool,
+    /// `true` if the language has circles through an intermediate point in any plane.
+    pub has_spatial_arcs: bool,
     /// Words before the first move of every program, for millimeters: they define the coordinates.
     pub assumed: &'static str,
     /// Words that compare data of the control; `None` if the language has none.

@@ -1,4 +1,4 @@
-//! The corrector adapter: takes elements and emits corrected pieces and other elements, in order, one move at a time.
+//! The corrector: an iterator that takes elements and returns corrected pieces and all other elements, in order, one move at a time.
 
 mod between;
 mod bodies;

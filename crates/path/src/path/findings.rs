@@ -15,6 +15,8 @@ use super::route::Route;
 
 /// Maximum number of diagnostics.
 const MOST_FINDINGS: usize = 100;
+/// Maximum number of lines that are reported because they exceed the tolerance: they leave no place for errors otherwise.
+const MOST_MISSED: usize = 50;
 /// Tolerance within which a command counts as on its limit: rounding noise, mm or rad.
 pub(super) const ON_LIMIT: f64 = 1e-9;
 
@@ -26,7 +28,8 @@ pub(super) struct DiagnosticCollector<'a> {
     max_correction_mm: f64,
     reported: HashSet<(FileId, u32, Code)>,
     new: Vec<Diagnostic>,
-    tolerance_was_missed: bool,
+    /// Lines in which the output exceeds the tolerance.
+    missed: HashSet<(FileId, u32)>,
     /// True after an error of the program: a block was not executed, so a difference from its positions is not a correction.
     has_missed_a_block: bool,
     /// Axes whose unknown direction was reported.
@@ -41,7 +44,7 @@ impl<'a> DiagnosticCollector<'a> {
             max_correction_mm,
             reported: HashSet::new(),
             new: Vec::new(),
-            tolerance_was_missed: false,
+            missed: HashSet::new(),
             has_missed_a_block: false,
             unsensed: AxisSet::EMPTY,
         }
@@ -165,7 +168,7 @@ impl<'a> DiagnosticCollector<'a> {
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }
 
-    /// Reports a piece that exceeds the tolerance: once, or each time for moves that are not divided.
+    /// Reports a piece that exceeds the tolerance.
     pub(super) fn tolerance_missed(&mut self, origin: &Origin, is_cut: bool, deviation_mm: f64, tolerance_mm: f64) {
         if !is_cut {
             let message = format!(
@@ -175,10 +178,15 @@ impl<'a> DiagnosticCollector<'a> {
             );
             let help = "program it in several blocks where the control allows it, or allow a larger --tolerance";
             self.report(origin, Code::ONE_PIECE, message, help.into());
-        } else if !std::mem::replace(&mut self.tolerance_was_missed, true) {
-            let message = format!("here the output cannot stay within {} of the exact path", micrometers(tolerance_mm));
-            let help = "allow a larger --tolerance, or a finer control.increment_mm";
-            self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
+        } else if self.missed.len() < MOST_MISSED && self.missed.insert((origin.file, origin.line)) {
+            let message = format!(
+                "the output is {} off the exact path here, and cannot stay within {}",
+                micrometers(deviation_mm),
+                micrometers(tolerance_mm)
+            );
+            let help = "correct it again with a larger --tolerance, or with a finer increment that the control reads; verify may refuse it as it is";
+            let place = Place { file: origin.file, span: origin.span };
+            self.new.push(Diagnostic::at(Code::TOLERANCE_NOT_REACHED, place, message, help));
         }
     }
 

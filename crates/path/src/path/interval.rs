@@ -96,6 +96,19 @@ pub fn predict(
     varied: &[Model],
     unexplained_mm: f64,
 ) -> Option<PredictedInterval> {
+    predict_from(places, whole, [model; 2], varied, unexplained_mm)
+}
+
+/// Predicts the intervals if another model is true than the one with which the program was corrected. `models` are the one of the correction, to which the
+/// errors of the places and of the whole program belong, and the other one, which `varied` vary.
+#[must_use]
+pub fn predict_from(
+    places: &[ErrorPlace],
+    whole: [&Spread; 2],
+    [counted, model]: [&Model; 2],
+    varied: &[Model],
+    unexplained_mm: f64,
+) -> Option<PredictedInterval> {
     if places.is_empty() {
         return None;
     }
@@ -107,9 +120,20 @@ pub fn predict(
     let of = |model: &Model, is_after: bool| -> Vec<Vector> {
         places.iter().map(|place| error(model, place, is_after)).collect()
     };
-    let own = [0, 1].map(|which: usize| places.iter().map(|place| place.errors_mm[which]).collect::<Vec<Vector>>());
+    let mut own = [0, 1].map(|which: usize| places.iter().map(|place| place.errors_mm[which]).collect::<Vec<Vector>>());
+    let of_counted = [0, 1].map(|which: usize| figures(places, own[which].iter().copied()));
     // The same with each body on a side of its dead band, as in the varied models.
     let base = [false, true].map(|is_after| of(model, is_after));
+    if !std::ptr::eq(counted, model) {
+        for (which, own) in own.iter_mut().enumerate() {
+            let errors = of(counted, which == 1).into_iter().zip(&base[which]);
+            own.iter_mut().zip(errors).for_each(|(own, (counted, base))| *own += base - counted);
+        }
+        // The other model cannot be evaluated there.
+        if own.iter().flatten().any(|error| error.iter().any(|part| !part.is_finite())) {
+            return None;
+        }
+    }
     // Displacements differ before and after only where the directions of motion do.
     let is_same = places.iter().all(|place| place.states[0] == place.states[1]);
     let sides: &[bool] = if is_same { &[true] } else { &[false, true] };
@@ -164,11 +188,11 @@ pub fn predict(
             }
         }
     }
-    let [of_before, of_after] = [0, 1].map(|which: usize| figures(places, own[which].iter().copied()));
+    let of_before = figures(places, own[0].iter().copied());
     let [mut before, mut after] = all.map(|lists| lists.map(ends));
     before.iter_mut().zip(of_before).for_each(|(ends, figure)| ends[0] = lowered(*ends, figure));
-    of_whole(&mut before, &of_before, whole[0]);
-    of_whole(&mut after, &of_after, whole[1]);
+    of_whole(&mut before, &of_counted[0], whole[0]);
+    of_whole(&mut after, &of_counted[1], whole[1]);
     let [before, after] = [before, after].map(|[mean_mm, rms_mm, max_mm, x, y, z]| ErrorInterval {
         mean_mm,
         rms_mm,
@@ -207,20 +231,20 @@ fn figures(places: &[ErrorPlace], errors: impl Iterator<Item = Vector>) -> Error
 }
 
 /// Moves the intervals of the mean, the root mean square and the maxima from the places to the whole program. Squares are moved by the difference of squares:
-/// a part that the correction has removed adds to the rest in this way.
+/// a part that the correction has removed adds to the rest in this way. The places have each body of unknown side where it is best, which is the lower end; the
+/// worst side belongs to the upper one.
 fn of_whole(intervals: &mut [[f64; 2]; 6], of_places: &ErrorFigures, whole: &Spread) {
     if whole.samples == 0 {
         return;
     }
     let moved = |end: f64, by: f64| (end * end + by).max(0.0).sqrt();
-    let mean = whole.mean_mm() - of_places[0];
-    let square = whole.rms_mm().powi(2) - of_places[1].powi(2);
-    // The places contain those of the largest errors at stations. Ends of pieces may have larger ones.
-    let largest = (whole.max_mm.powi(2) - of_places[2].powi(2)).max(0.0);
-    intervals[0] = intervals[0].map(|end| (end + mean).max(0.0));
-    intervals[1] = intervals[1].map(|end| moved(end, square));
-    intervals[2] = intervals[2].map(|end| moved(end, largest));
-    // The places have each body of unknown side where it is best. That is the lower end; the worst side belongs to the upper one.
+    let sides = [whole.nearest_mm(), [whole.mean_mm(), whole.rms_mm(), whole.max_mm]];
+    for (end, [mean_mm, rms_mm, max_mm]) in sides.into_iter().enumerate() {
+        intervals[0][end] = (intervals[0][end] + mean_mm - of_places[0]).max(0.0);
+        intervals[1][end] = moved(intervals[1][end], rms_mm.powi(2) - of_places[1].powi(2));
+        // The places contain those of the largest errors at stations. Ends of pieces may have larger ones.
+        intervals[2][end] = moved(intervals[2][end], (max_mm.powi(2) - of_places[2].powi(2)).max(0.0));
+    }
     for (axis, [_, high]) in intervals[3..].iter_mut().enumerate() {
         let beyond = whole.axes_mm[axis].powi(2) - of_places[3 + axis].powi(2);
         *high = moved(*high, beyond.max(0.0));
@@ -316,6 +340,28 @@ mod tests {
         let found = predict(&places(5e-6), NONE, &model(5e-6), &[], 1e-3).unwrap();
         let [low, high] = found.after.rms_mm;
         assert!(low < 1.732e-3 && 1.732e-3 < high && high - low < 0.6e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn another_model_than_that_of_the_correction_has_its_own_errors() {
+        // The program was corrected for 50 µm/m, and 60 µm/m are true: 24 ± 2 µm before at 400 mm, and 4 ± 2 µm after.
+        let [counted, other] = [50e-6, 60e-6].map(model);
+        let found = predict_from(&places(50e-6), NONE, [&counted, &other], &[model(65e-6)], 0.0).unwrap();
+        let [low, high] = found.before.max_mm;
+        assert!((low - 20.08e-3).abs() < 1.2e-3 && (high - 27.92e-3).abs() < 0.8e-3, "{low} {high}");
+        let [low, high] = found.after.max_mm;
+        assert!((low - 0.08e-3).abs() < 0.4e-3 && (high - 7.92e-3).abs() < 0.8e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn the_unknown_side_of_a_body_is_between_the_ends() {
+        // At the places a body is best, and the whole program has up to 3 µm more on the worst side: the mean is 0 to 3 µm.
+        let mut whole = Spread::NONE;
+        whole.add_between([0.0, 3e-3]);
+        let found = predict(&places(0.0), [&whole, &Spread::NONE], &model(0.0), &[], 0.0).unwrap();
+        for [low, high] in [found.before.mean_mm, found.before.rms_mm, found.before.max_mm] {
+            assert!(low == 0.0 && (high - 3e-3).abs() < 1e-12, "{low} {high}");
+        }
     }
 
     #[test]

@@ -98,7 +98,7 @@ impl<'a> Live<'a> {
         &self.applied
     }
 
-    /// Applies the shift of `now` to the next output of the first step; without `now`, the last shift.
+    /// Applies the shift of `now`, which has all heads of the machine, to the next output of the first step; without `now`, the last shift.
     pub fn apply(&mut self, output: Output, now: Option<&Model>, doses: &mut dyn Doses) -> Output {
         let mut element = match output {
             Output::Piece(piece) => return Output::Piece(self.shift(piece, now, doses)),
@@ -163,6 +163,9 @@ impl<'a> Live<'a> {
             for (slot, start) in arc.start_counts.iter_mut().enumerate() {
                 *start += placed.counts[slot] - piece.counts[slot];
             }
+            for (slot, through) in arc.through_counts.iter_mut().flatten().enumerate() {
+                *through += placed.counts[slot] - piece.counts[slot];
+            }
             arc
         });
         (self.counts, self.sent) = (placed.counts, placed.command);
@@ -179,7 +182,8 @@ impl<'a> Live<'a> {
             model.solve(nominal, tool_mm, &State::default(), start, Solve::PositionOnly).ok()
         };
         let Some(then) = solve(self.placer.model, command) else { return self.applied.asked };
-        let Some(mut moment) = solve(now.for_zero(self.placer.setup.zero), &(then + self.applied.asked)) else {
+        let now = now.for_setup(self.placer.setup.head, self.placer.setup.zero);
+        let Some(mut moment) = solve(now, &(then + self.applied.asked)) else {
             return self.applied.asked;
         };
         // Rotary axes keep the command of the first step.

@@ -36,6 +36,7 @@ mod segment_candidate;
 mod sides;
 mod singularity;
 mod slope;
+mod space_arc;
 mod standing;
 mod staying;
 mod steps;
@@ -53,7 +54,7 @@ pub use compare::{
 pub use corrector::Corrector;
 pub use cycle_block::CycleBlock;
 pub use increment::Increments;
-pub use interval::{ErrorInterval, PredictedInterval, StationInterval, predict};
+pub use interval::{ErrorInterval, PredictedInterval, StationInterval, predict, predict_from};
 pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::{ErrorPlace, PoseSample};
@@ -96,6 +97,8 @@ pub struct CorrectionOptions {
     pub frame: OutputFrame,
     /// Treatment of five-axis transformations.
     pub five_axis: FiveAxis,
+    /// `true` if the output language has circles through an intermediate point in any plane.
+    pub has_spatial_arcs: bool,
     /// `false` if the output language has no five-axis transformation: its paths of the tip become axis positions.
     pub has_transformation: bool,
     /// Largest accepted correction, mm; rotary axes count by the arc at the tool tip.
@@ -133,6 +136,7 @@ impl Default for CorrectionOptions {
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
+            has_spatial_arcs: false,
             has_transformation: true,
             max_correction_mm: 0.2,
             rotary: Rotary::Auto,
@@ -342,6 +346,9 @@ pub struct PieceArc {
     pub start_counts: [i64; 3],
     /// Full turns beyond the arc itself; 0 unless [`Turns::Several`].
     pub extra_turns: u32,
+    /// Programmed coordinates of an intermediate point along X, Y, Z, in increments, of an arc in any plane: the circle leads from the start through it to the
+    /// end, and the center is only near it.
+    pub through_counts: Option<[i64; 3]>,
 }
 
 /// Axes whose position is unknown after an element: a tool change, or motion outside the stream.

@@ -53,6 +53,8 @@ pub(super) struct CommandSolver<'a> {
     kinematics: &'a Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
+    /// `true` if an arc may be a circle through an intermediate point.
+    pub(super) has_spatial_arcs: bool,
     /// The axes of the machine.
     axes: AxisSet,
     pub(super) has_rotary: bool,
@@ -81,6 +83,7 @@ impl<'a> CommandSolver<'a> {
             kinematics: model.kinematics(),
             frame: options.frame,
             keeps_transform: options.keeps_transform(),
+            has_spatial_arcs: options.has_spatial_arcs && options.frame == OutputFrame::Work,
             has_rotary,
             turning: match options.rotary {
                 Rotary::Correct => axes.iter().filter(|axis| axis.is_rotary()).collect(),

@@ -20,20 +20,49 @@ pub struct Spread {
     square_sum_mm2: f64,
     /// Largest, mm.
     pub max_mm: f64,
+    /// The same figures with each body of unknown side where the tip is nearest to its place.
+    nearest: NearestSpread,
     /// Largest magnitude along X, Y and Z, with each body on the side of its dead band that is worst, mm; 0 where only distances were added.
     pub axes_mm: [f64; 3],
 }
 
+/// Sums of the smallest distances that the bodies of unknown side allow, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct NearestSpread {
+    sum_mm: f64,
+    square_sum_mm2: f64,
+    max_mm: f64,
+}
+
+impl NearestSpread {
+    const NONE: NearestSpread = NearestSpread { sum_mm: 0.0, square_sum_mm2: 0.0, max_mm: 0.0 };
+}
+
 impl Spread {
     /// Without samples.
-    pub const NONE: Spread = Spread { samples: 0, sum_mm: 0.0, square_sum_mm2: 0.0, max_mm: 0.0, axes_mm: [0.0; 3] };
+    pub const NONE: Spread = Spread {
+        samples: 0,
+        sum_mm: 0.0,
+        square_sum_mm2: 0.0,
+        max_mm: 0.0,
+        nearest: NearestSpread::NONE,
+        axes_mm: [0.0; 3],
+    };
 
     /// Adds a distance, mm.
     pub fn add(&mut self, distance_mm: f64) {
+        self.add_between([distance_mm; 2]);
+    }
+
+    /// Adds a distance that is between two values, because the side of a body in its dead band is unknown, mm. The figures are those of the larger one.
+    pub fn add_between(&mut self, [nearest_mm, most_mm]: [f64; 2]) {
         self.samples += 1;
-        self.sum_mm += distance_mm;
-        self.square_sum_mm2 += distance_mm * distance_mm;
-        self.max_mm = self.max_mm.max(distance_mm);
+        self.sum_mm += most_mm;
+        self.square_sum_mm2 += most_mm * most_mm;
+        self.max_mm = self.max_mm.max(most_mm);
+        self.nearest.sum_mm += nearest_mm;
+        self.nearest.square_sum_mm2 += nearest_mm * nearest_mm;
+        self.nearest.max_mm = self.nearest.max_mm.max(nearest_mm);
     }
 
     /// Mean, mm; 0 without samples.
@@ -46,6 +75,14 @@ impl Spread {
     #[must_use]
     pub fn rms_mm(&self) -> f64 {
         if self.samples == 0 { 0.0 } else { (self.square_sum_mm2 / self.samples as f64).sqrt() }
+    }
+
+    /// Mean, root mean square and maximum of the smallest distances that the bodies of unknown side allow, mm; 0 without samples.
+    #[must_use]
+    pub fn nearest_mm(&self) -> [f64; 3] {
+        let NearestSpread { sum_mm, square_sum_mm2, max_mm } = self.nearest;
+        let count = f64::max(self.samples as f64, 1.0);
+        [sum_mm / count, (square_sum_mm2 / count).sqrt(), max_mm]
     }
 }
 
@@ -152,14 +189,15 @@ pub(super) struct SpreadPair {
 }
 
 impl SpreadPair {
-    /// Adds an error as programmed, its part beyond the displacement that a touched zero takes up, and the error as emitted, mm.
-    pub(super) fn add(&mut self, [before_mm, form_mm]: [f64; 2], after_mm: f64, origin: &Origin) {
-        self.before.add(before_mm);
+    /// Adds an error as programmed, the error as emitted, and the part of the first one beyond the displacement that a touched zero takes up, mm. Each error
+    /// has its smallest and its largest value over the unknown sides of bodies.
+    pub(super) fn add(&mut self, [before_mm, after_mm]: [[f64; 2]; 2], form_mm: f64, origin: &Origin) {
+        self.before.add_between(before_mm);
         self.form.add(form_mm);
-        if self.max_at.is_none() || after_mm > self.after.max_mm {
+        if self.max_at.is_none() || after_mm[1] > self.after.max_mm {
             self.max_at = Some(*origin);
         }
-        self.after.add(after_mm);
+        self.after.add_between(after_mm);
     }
 }
 
@@ -196,9 +234,10 @@ impl Prediction {
         !rapid || self.feed.before.samples == 0
     }
 
-    pub(super) fn add(&mut self, rapid: bool, before_mm: [f64; 2], after_mm: f64, origin: &Origin) {
+    /// Adds errors before and after, each the smallest and the largest value, and the form of the first one, mm.
+    pub(super) fn add(&mut self, rapid: bool, errors_mm: [[f64; 2]; 2], form_mm: f64, origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
-        pair.add(before_mm, after_mm, origin);
+        pair.add(errors_mm, form_mm, origin);
     }
 
     /// Offers the place of a station.
@@ -278,9 +317,10 @@ impl Prediction {
         self.is_apart = true;
     }
 
-    /// Records a deviation for the maximum only.
-    pub(super) fn note_after(&mut self, rapid: bool, after_mm: f64, origin: &Origin) {
+    /// Records a deviation for the maximum only: its smallest and its largest value over the unknown sides of bodies.
+    pub(super) fn note_after(&mut self, rapid: bool, [nearest_mm, after_mm]: [f64; 2], origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
+        pair.after.nearest.max_mm = pair.after.nearest.max_mm.max(nearest_mm);
         if after_mm > pair.after.max_mm {
             pair.after.max_mm = after_mm;
             pair.max_at = Some(*origin);
@@ -337,17 +377,24 @@ mod tests {
         assert_eq!(spread.mean_mm(), 4.0);
         assert!((spread.rms_mm() - (50.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(spread.max_mm, 5.0);
+        let [mean, rms, max] = spread.nearest_mm();
+        assert_eq!((mean, max), (4.0, 5.0));
+        assert!((rms - spread.rms_mm()).abs() < 1e-15);
+        // A body of unknown side: between 0 and 8 mm.
+        spread.add_between([0.0, 8.0]);
+        assert_eq!((spread.mean_mm(), spread.max_mm, spread.nearest_mm()[0]), (5.0, 8.0, 3.0));
+        assert_eq!((spread.nearest_mm()[1], spread.nearest_mm()[2]), (12.5_f64.sqrt(), 5.0));
     }
 
     #[test]
     fn rapid_moves_count_only_where_there_is_nothing_else() {
         let mut prediction = Prediction::default();
         let place = |line| Origin { line, ..Origin::default() };
-        prediction.add(true, [8.0; 2], 7.0, &place(1));
+        prediction.add(true, [[8.0; 2], [7.0; 2]], 8.0, &place(1));
         assert_eq!((prediction.before().max_mm, prediction.max_at()), (8.0, Some(place(1))));
         assert!(prediction.wants(true));
-        prediction.add(false, [2.0; 2], 1.0, &place(2));
-        prediction.add(false, [2.0; 2], 0.5, &place(3));
+        prediction.add(false, [[2.0; 2], [1.0; 2]], 2.0, &place(2));
+        prediction.add(false, [[2.0; 2], [0.5; 2]], 2.0, &place(3));
         assert!(!prediction.wants(true));
         assert_eq!((prediction.after().max_mm, prediction.max_at()), (1.0, Some(place(2))));
     }
@@ -355,7 +402,7 @@ mod tests {
     #[test]
     fn a_short_cut_after_a_rapid_move_counts() {
         let mut prediction = Prediction::default();
-        prediction.add(false, [1.0; 2], 1.0, &Origin::default());
+        prediction.add(false, [[1.0; 2]; 2], 1.0, &Origin::default());
         prediction.end_move(false, 2.0);
         // The next station is at 2.736 mm.
         assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).count(), 0);
@@ -373,7 +420,7 @@ mod tests {
         // A first move of 0.3 mm has no station of its own: the first one is at 0.5 mm.
         assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).collect::<Vec<_>>(), [0.5]);
         assert_eq!(prediction.stations(false, 0.3, [0.5, 1.0]).count(), 0);
-        prediction.add(false, [1.0; 2], 1.0, &Origin::default());
+        prediction.add(false, [[1.0; 2]; 2], 1.0, &Origin::default());
         assert_eq!(prediction.stations(false, 0.3, [0.0, 1.0]).count(), 0);
         prediction.end_move(false, 2.0);
         let whole: Vec<f64> = prediction.stations(false, 10.4, [0.0, 1.0]).collect();

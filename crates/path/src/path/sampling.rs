@@ -247,16 +247,20 @@ impl SampledPiece<'_> {
             let (before, after) = (self.before(parameter), self.note(share, between, prediction, &mut out));
             before_mm = Some(before_mm.map_or(before.most_mm, |most_mm| most_mm.max(before.most_mm)));
             let form_mm = self.base.form_mm(self.zero, &before.nearest);
-            prediction.add(self.rapid, [before.most_mm, form_mm], after.most_mm + chord_mm, &self.origin);
+            let ranges_mm =
+                [[before.nearest.norm(), before.most_mm], [after.nearest.norm() + chord_mm, after.most_mm + chord_mm]];
+            prediction.add(self.rapid, ranges_mm, form_mm, &self.origin);
             let place = || self.place(parameter, share, [&before, &after]);
             prediction.offer(self.rapid, place);
             has_largest |= prediction.offer_largest(self.rapid, ErrorSide::Before, &before, place);
         }
         if has_largest {
-            // The error is even larger at an end of the move.
-            for (share, parameter) in
-                [0.0, 1.0].into_iter().zip(between).filter(|(share, parameter)| share == parameter)
-            {
+            // The error is even larger at an end of the move, or where a body begins to follow after a reversal.
+            scratch.clear();
+            self.lead.edges(self.programmed.band, self.programmed.route, scratch);
+            scratch.extend([0.0, 1.0]);
+            for &parameter in scratch.iter().filter(|parameter| (from..=to).contains(*parameter)) {
+                let share = (parameter - from) / (to - from);
                 let before = self.before(parameter);
                 let place = || self.place(parameter, share, [&before, &self.after(share, between)]);
                 prediction.offer_largest(self.rapid, ErrorSide::Before, &before, place);
@@ -267,7 +271,7 @@ impl SampledPiece<'_> {
             (out.after_mm, out.start_mm) = (out.after_mm.max(off.most_mm), off.nearest.norm());
         }
         out.after_mm += chord_mm;
-        prediction.note_after(self.rapid, out.after_mm, &self.origin);
+        prediction.note_after(self.rapid, [out.nearest_mm + chord_mm, out.after_mm], &self.origin);
         out.before_mm = before_mm;
         Some(out)
     }

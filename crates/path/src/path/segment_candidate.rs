@@ -1,6 +1,6 @@
 //! One candidate piece: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
 
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, ROTARY_AXES};
 use ncfix_machine::machine::{Control, State};
 
 use super::PieceArc;
@@ -140,10 +140,41 @@ impl<'m> SegmentFitter<'_, 'm> {
     pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate<'m> {
         let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
         let stands = standing.known.intersection(standing.written);
-        let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
-        let moving = moving.iter().filter(|axis| !rests(axis)).collect();
+        // An overshoot brings an axis to another side of its dead band, at which it has another place.
+        let is_still = |axis: Axis| self.settled[axis.slot()] == 0 && (end[axis] - start[axis]).abs() < SHORT_MM;
+        let rests = |axis: &Axis| stands.contains(*axis) && is_still(*axis);
+        let moving: AxisSet = moving.iter().filter(|axis| !rests(axis)).collect();
         let ends = self.ends(standing, [0.0, 1.0], false);
-        self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
+        let partly = |target: &AxisVector| {
+            let mut target = *target;
+            // A rotary axis that the program does not move is written with its correction by a later move.
+            let stay = ROTARY_AXES.into_iter().filter(|&axis| !moving.contains(axis));
+            stay.for_each(|axis| target[axis] = self.route.end[axis]);
+            self.placer.partly(&target, standing, moving, self.known)
+        };
+        let mut trial = self.unplaced(standing, partly(&ends.end.command));
+        if self.sampler.backlash.is_empty() {
+            return trial;
+        }
+        // The end was placed for a motion of all axes. One that stays does not reverse, and what it displaces across it stays too.
+        let mut state = trial.state();
+        self.settle(&mut state);
+        for _ in 0..MOST_TRIES {
+            let placed = self.place([0.0, 1.0], &self.route.end, &state, &standing.correction);
+            trial = self.unplaced(standing, Placed { failure: placed.failure, ..partly(&placed.command) });
+            let mut led = trial.state();
+            self.settle(&mut led);
+            // A body that is led to no side is where the axis leaves it.
+            let is_placed = |axis: Axis| {
+                let own = led.direction(axis);
+                own == state.direction(axis) || own == 0 && moving.contains(axis)
+            };
+            if self.sampler.backlash.iter().all(is_placed) {
+                break;
+            }
+            state = led;
+        }
+        trial
     }
 
     /// The whole move straight to an end, with the deviation along it.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use super::space_arc::SpatialCircle;
 use super::{CorrectionOptions, Increments, Output, OutputFrame, Piece, PieceArc, lost_axes};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
@@ -147,6 +148,9 @@ impl<'a> Tips<'a> {
     }
 
     fn circle(&self, piece: &Piece, arc: &PieceArc) -> Circle {
+        if let Some(circle) = arc.spatial(&piece.counts, &self.increments) {
+            return self.spatial(&circle);
+        }
         let [abscissa, ordinate, _] = arc.plane.axes();
         let at = |axis: Axis, count: i64| self.increments.position(axis, count);
         let place = |axis: Axis| arc.start_counts.get(axis.dimension()).copied().unwrap_or(0);
@@ -169,6 +173,25 @@ impl<'a> Tips<'a> {
         });
         let radius_mm = from[0].hypot(from[1]).max(to[0].hypot(to[1]));
         Circle { basis, first, sweep, radius_mm, from, to }
+    }
+
+    /// The arc of a circle through an intermediate point: its first direction leads to the start.
+    fn spatial(&self, circle: &SpatialCircle) -> Circle {
+        let radius_mm = circle.to_center.norm();
+        let first = -circle.to_center / radius_mm;
+        let second = circle.normal.cross(&first);
+        let last = circle.to_end - circle.to_center;
+        let in_machine = |unit: Vector| {
+            if self.frame == OutputFrame::Machine { unit } else { self.setup.frame.apply_direction(unit) }
+        };
+        Circle {
+            basis: [in_machine(first), in_machine(second)],
+            first: 0.0,
+            sweep: circle.sweep_rad(),
+            radius_mm,
+            from: [radius_mm, 0.0],
+            to: [last.dot(&first), last.dot(&second)],
+        }
     }
 }
 

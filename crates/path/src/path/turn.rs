@@ -23,7 +23,9 @@ impl<'m> SegmentFitter<'_, 'm> {
             return None;
         }
         let basis = self.route.basis().copied();
-        let (plane, clockwise) = self.emitted_plane(arc.plane, basis.as_ref(), arc.clockwise)?;
+        let Some((plane, clockwise)) = self.emitted_plane(arc.plane, basis.as_ref(), arc.clockwise) else {
+            return self.unmeasured_spatial_arc(standing, between);
+        };
         let ends = self.ends(standing, between, true);
         if ends.end.is_held_back {
             return None;
@@ -85,7 +87,7 @@ impl<'m> SegmentFitter<'_, 'm> {
         let emitted = self.placer.emitted_arc(ends.start, ends.end.command, Some((done, basis)));
         let standing = self.placer.programmed(&ends.start);
         let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
-        let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns };
+        let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns, through_counts: None };
         Some(self.trial(between, ends, emitted, Some(circle)))
     }
 
@@ -144,7 +146,7 @@ impl<'m> SegmentFitter<'_, 'm> {
     }
 
     /// A direction of the axes in counts of the emitted frame, and the direction that the counts represent.
-    fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
+    pub(super) fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
         let is_parallel = self.placer.is_parallel();
         let frame = &self.placer.setup.frame;
         let programmed = if is_parallel { direction } else { frame.unapply_direction(direction) };

@@ -162,9 +162,9 @@ impl<'a> Run<'a> {
         let tip = transform.filter(|_| turns || piece.arc.is_some());
         Order {
             target: piece.command,
-            circle: piece.arc.filter(|_| tip.is_none()).map(|arc| self.circle_of(&arc, &start)),
+            circle: piece.arc.filter(|_| tip.is_none()).map(|arc| self.circle_of(piece, &arc, &start)),
             tip,
-            tip_arc: piece.arc.filter(|_| tip.is_some()).map(|arc| self.tip_arc_of(&arc, &start)),
+            tip_arc: piece.arc.filter(|_| tip.is_some()).map(|arc| self.tip_arc_of(piece, &arc, &start)),
             rapid: piece.rapid,
             feed: piece.feed,
             motion_mode: piece.motion_mode,
@@ -175,13 +175,17 @@ impl<'a> Run<'a> {
     }
 
     /// The circle of a piece, whose center refers to the emitted frame.
-    fn circle_of(&self, arc: &PieceArc, start: &AxisVector) -> SpaceCircle {
+    fn circle_of(&self, piece: &Piece, arc: &PieceArc, start: &AxisVector) -> SpaceCircle {
+        let spatial = arc.spatial(&piece.counts, &self.increments);
         let [_, _, across] = arc.plane.axes();
         let mut normal = Vector::zeros();
         normal[across.slot()] = if arc.clockwise { -1.0 } else { 1.0 };
         let mut center = Vector::zeros();
         for (slot, axis) in ncfix_base::geometry::LINEAR_AXES.into_iter().take(3).enumerate() {
             center[slot] = self.increments.position(axis, arc.center_counts[slot]);
+        }
+        if let Some(circle) = spatial {
+            (center, normal) = (circle.to_center, circle.normal);
         }
         if self.is_work_frame {
             let linear = self.setup.frame.linear();
@@ -194,9 +198,9 @@ impl<'a> Run<'a> {
     }
 
     /// The circle of a piece under a transformation, in positions fixed to the workpiece, with its basis.
-    fn tip_arc_of(&self, arc: &PieceArc, start: &AxisVector) -> (PlaneArc, Option<Matrix>) {
+    fn tip_arc_of(&self, piece: &Piece, arc: &PieceArc, start: &AxisVector) -> (PlaneArc, Option<Matrix>) {
         let position = self.kinematics.on_workpiece(start, &self.setup.tool_mm);
-        let SpaceCircle { center, normal, extra_turns } = self.circle_of(arc, &position);
+        let SpaceCircle { center, normal, extra_turns } = self.circle_of(piece, arc, &position);
         // Any direction of the plane, such as that of the start.
         let out = position.xyz() - center;
         let first = (out - normal * out.dot(&normal)).try_normalize(0.0).unwrap_or_else(Vector::x);

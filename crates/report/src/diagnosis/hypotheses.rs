@@ -64,7 +64,8 @@ impl DiagnosisReport {
         };
         out.push(format!("{gain}; effect on the readings {} {} RMS", significant(one.rms_um), self.unit_sign()));
         if one.variants > 1 {
-            out.push(format!("the best of {} variants of this cause", one.variants));
+            let own = one.variant.as_ref().map_or_else(String::new, |own| format!(": {own}"));
+            out.push(format!("the best of {} variants of this cause{own}", one.variants));
         }
         let rivals: Vec<String> = one
             .rivals
@@ -85,6 +86,7 @@ impl DiagnosisReport {
             (None, Correctable::Program) => "a corrected program can remove it".into(),
             (None, Correctable::No) => "no program can remove it".into(),
         });
+        out.extend(one.next.as_ref().map(|command| format!("next: {command}")));
         out
     }
 }

@@ -12,6 +12,7 @@ use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{
     CauseReport, InFile, NoiseFrom, PositionUnit, RejectedReport, ShapePlace, SizeRange,
 };
+use ncfix_metrology::results::hypotheses::HypothesisReport;
 
 /// Maximum number of other explanations that are named.
 const RIVALS: usize = 8;
@@ -249,6 +250,12 @@ impl DiagnosisReport {
     /// Returns the next step after this result.
     fn next_step(&self, largest: &CauseReport) -> String {
         let findings = &self.found.findings;
+        // A stated hypothesis contests the finding.
+        let stated = |cause: &str| self.found.hypotheses.iter().find(|one: &&HypothesisReport| one.text == cause);
+        let of_hypothesis = largest.rivals.iter().find_map(|rival| stated(&rival.cause)?.next.as_ref());
+        if let Some(command) = of_hypothesis.filter(|_| !largest.certain) {
+            return format!("fit and write the hypothesis with {command}");
+        }
         let is_correctable = |one: &&CauseReport| one.correctable == Correctable::Program;
         let unsure = self.unsure().or(Some(largest).filter(|one| !self.more_probable(one).is_empty()));
         // A plan predicts no cause that depends on another quantity, such as a drift.
@@ -356,8 +363,8 @@ impl DiagnosisReport {
                 if self.found.findings.len() == 1 { "it" } else { "them" },
                 significant(self.found.after.rms_um),
                 significant(self.found.after.max_um),
-                100.0 * self.found.before.efficiency,
-                100.0 * self.found.after.efficiency
+                round_percent(self.found.before.efficiency),
+                round_percent(self.found.after.efficiency)
             )
         })
     }
@@ -420,7 +427,7 @@ impl DiagnosisReport {
                     || self.distinct_name(one),
                     |what| what.trim_end_matches("; shape attached").to_owned(),
                 );
-                format!("{what}, {} ({:.0} % of the sum of squares)", one.size(), 100.0 * one.share)
+                format!("{what}, {} ({:.0} % of the sum of squares)", one.size(), round_percent(one.share))
             })
             .collect();
         let more = self.found.findings.len().saturating_sub(CAUSES);
@@ -525,8 +532,8 @@ impl DiagnosisReport {
             "   explains {} {} RMS, {:.0} % of the residual; {:.0} % smaller residual on left-out readings; {}{}",
             significant(one.rms_um),
             self.unit_sign(),
-            100.0 * one.share,
-            100.0 * one.gain_holdout,
+            round_percent(one.share),
+            round_percent(one.gain_holdout),
             one.probability.map_or_else(String::new, |value| format!("{}; ", probability(value))),
             p_value(one.p)
         );
@@ -709,6 +716,11 @@ fn by_sensor(one: &CauseReport) -> String {
     let lag = one.lag_s.filter(|lag| *lag > 0.0);
     let lag = lag.map_or(String::new(), |lag| format!(" {} s later", significant(lag)));
     format!(" with {sensor}{lag}")
+}
+
+/// Returns a share in whole percent, without the sign of a zero.
+fn round_percent(share: f64) -> f64 {
+    (100.0 * share).round() + 0.0
 }
 
 /// Returns the words for an acceptance test, as the object of a sentence.

@@ -35,7 +35,7 @@ pub use scheme::{SCHEMES, Scheme, Schemes};
 pub use target::{Orientation, Target};
 pub use wiring::Wiring;
 
-use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::TableProducts;
 
 /// The tables of a control. Kinds that a format does not have stay empty.
@@ -105,6 +105,12 @@ impl Tables {
             || self.grid.as_ref().is_some_and(|grid| grid.axes.contains(&axis))
             || self.errors.iter().flat_map(|errors| &errors.axes).any(|one| one.axis == axis)
             || self.errors.iter().flat_map(|errors| &errors.location).any(|(name, _)| name.axis() == Some(axis))
+    }
+
+    /// The axes that the tables name.
+    #[must_use]
+    pub fn axes(&self) -> Vec<Axis> {
+        AXES.into_iter().filter(|axis| self.names(*axis)).collect()
     }
 
     /// Number of values.

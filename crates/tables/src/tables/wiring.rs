@@ -7,6 +7,8 @@ use ncfix_machine::machine::Machine;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wiring {
     axes: Vec<Named>,
+    /// True if the names are numbers in an order that nobody stated.
+    is_assumed: bool,
 }
 
 /// An axis and its names.
@@ -17,6 +19,8 @@ struct Named {
     name: String,
     /// Its name in programs, besides its letter.
     other: Option<String>,
+    /// True if an option states the name.
+    is_stated: bool,
 }
 
 /// The default order of axis numbers: linear axes first.
@@ -26,14 +30,15 @@ impl Wiring {
     /// The axes of a machine, numbered in the order of its file, otherwise X Y Z, U V W, A B C as available: `AX1`, `AX2` …
     #[must_use]
     pub fn of(machine: &Machine) -> Wiring {
-        let is_left = |axis: &Axis| machine.axis(*axis).is_some() && !machine.axis_order.contains(axis);
-        let axes = machine.axis_order.iter().copied().chain(AXES.into_iter().filter(is_left));
+        let is_left = |axis: &Axis| machine.axis(*axis).is_some() && !machine.axis_order.contains(&Some(*axis));
+        let axes = machine.axis_order.iter().copied().chain(AXES.into_iter().filter(is_left).map(Some));
         // An axis of the order that the machine lacks still occupies its number.
         let named = axes.enumerate().filter_map(|(index, axis)| {
+            let axis = axis?;
             let data = machine.axis(axis)?;
-            Some(Named { axis, name: format!("AX{}", index + 1), other: data.name.clone() })
+            Some(Named { axis, name: format!("AX{}", index + 1), other: data.name.clone(), is_stated: false })
         });
-        Wiring { axes: named.collect() }
+        Wiring { axes: named.collect(), is_assumed: machine.axis_order.is_empty() }
     }
 
     /// The default order, for files that are read without a machine.
@@ -41,7 +46,10 @@ impl Wiring {
     pub fn usual() -> Wiring {
         let named = USUAL.into_iter().enumerate();
         Wiring {
-            axes: named.map(|(index, axis)| Named { axis, name: format!("AX{}", index + 1), other: None }).collect(),
+            axes: named
+                .map(|(index, axis)| Named { axis, name: format!("AX{}", index + 1), other: None, is_stated: false })
+                .collect(),
+            is_assumed: true,
         }
     }
 
@@ -49,9 +57,22 @@ impl Wiring {
     pub fn rename(&mut self, axis: Axis, name: &str) {
         self.axes.retain(|named| named.axis == axis || !named.name.eq_ignore_ascii_case(name));
         match self.axes.iter_mut().find(|named| named.axis == axis) {
-            Some(named) => named.name = name.to_owned(),
-            None => self.axes.push(Named { axis, name: name.to_owned(), other: None }),
+            Some(named) => (named.name, named.is_stated) = (name.to_owned(), true),
+            None => self.axes.push(Named { axis, name: name.to_owned(), other: None, is_stated: true }),
         }
+    }
+
+    /// True if one of these axes has a number above 3 that nobody stated. X, Y and Z are nearly always the first three; a spindle can have the number 4.
+    #[must_use]
+    pub fn assumes(&self, axes: &[Axis]) -> bool {
+        let is_late = |(index, named): (usize, &Named)| index >= 3 && axes.contains(&named.axis) && !named.is_stated;
+        self.is_assumed && self.axes.iter().enumerate().any(is_late)
+    }
+
+    /// The axes with their names, for a remark: `X AX1, Y AX2`.
+    #[must_use]
+    pub fn listed(&self, axes: &[Axis]) -> String {
+        axes.iter().map(|axis| format!("{axis} {}", self.name(*axis))).collect::<Vec<_>>().join(", ")
     }
 
     /// The axes in order.

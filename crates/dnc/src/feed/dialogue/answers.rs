@@ -55,6 +55,11 @@ pub(super) fn impossible(what: &str) -> String {
     format!("{what}: the state of the control is unknown")
 }
 
+/// Writes a count with its noun: `1 line`, `5 lines`.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Returns the first 80 characters of an answer for display; control characters become dots.
 pub(super) fn shown(text: &str) -> String {
     text.chars().take(80).map(|character| if character.is_control() { '.' } else { character }).collect()

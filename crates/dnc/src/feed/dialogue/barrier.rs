@@ -1,7 +1,8 @@
 //! Decides when the sender waits until the control has stopped, because only then the executed lines are certain.
 //!
-//! If only the count of answers says which lines were taken, one answer too many shifts all later ones. In this case the sender waits now and then until all
-//! moves are done. It waits only after rapid moves: a stop on a contour leaves a mark.
+//! A later line hides an earlier one that was accepted and not executed, if it commands the same axes. And if only the count of answers says which lines were
+//! taken, one answer too many shifts all later ones. So the sender waits now and then until all moves are done, and compares the position. It waits only after
+//! rapid moves: a stop on a contour leaves a mark.
 
 /// Minimum number of lines between two stops: few enough to repeat little, enough to cost no noticeable time.
 const EVERY: u64 = 50;

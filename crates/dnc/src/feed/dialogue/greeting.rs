@@ -40,8 +40,10 @@ pub(super) fn question(step: usize, passwords: &(String, String)) -> Option<Stri
         // Name in later versions.
         7 => "set wait_mode received",
         8 => "set mode mdi",
+        // Unit of its positions.
+        9 => "get user_linear_units",
         // Messages of other clients do not concern this job.
-        9 => "get error",
+        10 => "get error",
         _ => return None,
     };
     Some(text.to_owned())
@@ -62,9 +64,10 @@ pub(super) fn answer(step: usize, answer: &str) -> Reply<'_> {
         | (6, "SET NAK" | "SET SET_WAIT NAK")
         | (7, "SET WAIT_MODE ACK")
         | (8, "SET MODE ACK")
-        | (9, "ERROR OK") => Reply::Next(step + 1),
+        | (10, "ERROR OK") => Reply::Next(step + 1),
         (6, "SET SET_WAIT ACK") => Reply::Next(8),
-        (9, _) if answer.starts_with("ERROR ") => Reply::Message(answer),
+        (9, _) if answer.starts_with("USER_LINEAR_UNITS ") => Reply::Next(10),
+        (10, _) if answer.starts_with("ERROR ") => Reply::Message(answer),
         _ => Reply::Other,
     }
 }

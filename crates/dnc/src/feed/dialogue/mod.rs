@@ -15,6 +15,8 @@ mod marlin;
 mod mdi;
 mod position;
 mod tape;
+mod zero;
+mod zeros;
 
 use std::time::Duration;
 
@@ -24,6 +26,7 @@ use super::rewriter::LineRewriter;
 use super::{Line, Profile, Wire};
 
 pub use position::ELSEWHERE;
+pub use zero::{ExpectedZero, ZERO_LETTERS, ZeroValues};
 
 /// Event of a dialogue, caused by received bytes or by elapsed time.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +38,8 @@ pub enum Event {
     Checked(u64),
     /// The control reports that it has executed this line and all before it.
     Executed(u64),
+    /// The control states its zero offsets at the start of the job, as they are written to the journal.
+    ZeroOffsets(String),
     /// The control stands still, and reports the position that the lines sent command, for these axes.
     InPosition(String),
     /// The control states the maximum number of blocks that are taken and not executed: the number, and its words.
@@ -110,6 +115,25 @@ pub trait Dialogue: Send {
 
     /// Describes what the control has of a file, for a link that sends one.
     fn remains(&self) -> Option<String> {
+        None
+    }
+
+    /// Notes the zero offsets for which the program was corrected, before [`Dialogue::open`]. A dialogue that can ask the control for them compares them.
+    fn expect(&mut self, _zero: ExpectedZero) {}
+
+    /// True if the control is asked for its zero offsets. If not, a person must compare them.
+    fn asks_zero(&self) -> bool {
+        false
+    }
+
+    /// Describes what the control must do before the first line, if a person has to start it there.
+    fn waits_for(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Holds the axes after the job is lost, if the control may still start lines that it has. Returns a sentence about it; `None` if it cannot start any, or
+    /// this dialogue has no such command.
+    fn leave(&mut self, _wire: &mut Wire) -> Option<String> {
         None
     }
 

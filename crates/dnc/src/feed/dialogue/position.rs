@@ -5,7 +5,8 @@
 //! that moves or shifts it by an amount that the text does not state (G28, G53, another zero offset, a tool length, a tool change). Relative moves add to a
 //! known position. After a statement whose effect on positions is not known here, nothing is compared any more.
 //!
-//! A later line that commands the same axes again hides an earlier line that was not executed. The comparison sees it only if they are compared in between.
+//! A later line that commands the same axes again hides an earlier line that was not executed. The comparison sees it only if they are compared in between:
+//! after every line (LinuxCNC), or at the stops of [`super::barrier`].
 
 mod compare;
 
@@ -165,6 +166,12 @@ impl CommandedPosition {
     /// True if any position is known.
     pub(super) fn is_known(&self) -> bool {
         !self.is_beyond && self.axes.iter().any(Option::is_some)
+    }
+
+    /// Returns the position of an axis, mm or degrees; `None` if it is not known, or its unit is not stated.
+    pub(super) fn of(&self, letter: u8) -> Option<f64> {
+        let slot = slot(letter).filter(|slot| !self.is_beyond && (is_rotary(*slot) || self.unit_mm.is_some()))?;
+        self.axes[slot]
     }
 
     /// Applies the axis words of a line. `sets` if they are those of G92.

@@ -24,6 +24,10 @@ pub(super) struct CircleFacts {
     pub(super) radius_mm: Option<(f64, usize)>,
     /// True if the deviations refer to the calibrated length of the bar.
     calibrated: Option<(bool, usize)>,
+    /// Line with the calibrated length itself, which does not say to which length the deviations refer.
+    certified: Option<(f64, usize)>,
+    /// Uncertainty of the calibrated length, µm, with its coverage factor; `None` if its unit or the factor is not stated.
+    length_sigma: Option<(Option<f64>, usize)>,
     /// Feed, mm/min.
     pub(super) feed: Option<(f64, usize)>,
     /// Angle at which the circle begins to count.
@@ -125,11 +129,49 @@ impl CircleFacts {
                 inquiry.note(format!("length of the bar: --length {word}"), 0);
                 Ok(said)
             }
+            (None, None) if self.certified.is_some() => {
+                let line = self.certified.map_or(0, |(_, line)| line);
+                let sentence = format!(
+                    "line {line} states the calibrated length of the bar, and not whether the deviations refer to it"
+                );
+                inquiry.ask("length", sentence, "calibrated if they do, else unknown");
+                Ok(true)
+            }
             (None, Some((true, line))) => {
                 inquiry.note("the length of the bar is calibrated, so it is not fitted", line);
                 Ok(true)
             }
             (None, _) => Ok(false),
+        }
+    }
+
+    /// Standard uncertainty of the calibrated length, µm, by the option or the file; `None` if neither states it.
+    ///
+    /// # Errors
+    /// If they contradict each other.
+    pub(super) fn length_sigma_um(&self, inquiry: &mut Inquiry<'_>) -> Result<Option<f64>, ImportStop> {
+        /// Half a digit of a certificate, µm.
+        const SLACK: f64 = 0.005;
+        let said = inquiry.answer("length-sigma", |own| own.length_sigma_um);
+        let known = self.length_sigma.and_then(|(value, line)| Some((value?, line)));
+        inquiry.agreed("length-sigma", said, known, SLACK)?;
+        match (said, self.length_sigma) {
+            (Some(said), _) => {
+                inquiry.note(format!("standard uncertainty of the length: --length-sigma {} µm", shown(said)), 0);
+                Ok(Some(said))
+            }
+            (None, Some((Some(value), line))) => {
+                inquiry.note(format!("standard uncertainty of the length: {} µm", shown(value)), line);
+                Ok(Some(value))
+            }
+            (None, Some((None, line))) => {
+                let sentence = format!(
+                    "line {line} states an uncertainty of the length without its unit or its coverage factor k"
+                );
+                inquiry.ask("length-sigma", sentence, "the standard uncertainty in µm: U divided by k");
+                Ok(None)
+            }
+            (None, None) => Ok(None),
         }
     }
 
@@ -229,6 +271,60 @@ const DIRECTIONS: &[&str] = &[
     "sentido",
 ];
 
+/// Keys of a line about the calibrated length: yes or no, or the length itself.
+const CALIBRATED: &[&str] = &[
+    "calibrated length",
+    "length calibrated",
+    "kalibrierte länge",
+    "longueur étalonnée",
+    "longueur calibrée",
+    "lunghezza calibrata",
+    "longitud calibrada",
+];
+/// Parts of the words for an uncertainty, and for what has it.
+const UNCERTAINTY: &[&str] = &["uncertainty", "unsicherheit", "incertitude", "incertezza", "incertidumbre"];
+const OF_LENGTH: &[&str] = &[
+    "length",
+    "calibrat",
+    "certificate",
+    "länge",
+    "kalibr",
+    "zertifikat",
+    "longueur",
+    "étalon",
+    "certificat",
+    "lunghezza",
+    "calibra",
+    "taratura",
+    "longitud",
+];
+
+/// True for the key of a line with the uncertainty of the calibrated length.
+fn is_length_sigma(key: &str) -> bool {
+    let has = |words: &[&str]| words.iter().any(|word| key.contains(word));
+    has(UNCERTAINTY) && has(OF_LENGTH)
+}
+
+/// The standard uncertainty of a length, µm; `None` if its unit or its coverage factor is not stated.
+fn length_sigma(key: &str, value: &str, number: Option<f64>, unit: Option<ReadingUnit>) -> Option<f64> {
+    let text = format!("{key} {value}").replace(' ', "");
+    let factor = || -> Option<f64> {
+        if text.contains("standard") || text.contains("1sigma") {
+            return Some(1.0);
+        }
+        let after = text.split("k=").nth(1)?;
+        let digits = after.split(|c: char| !c.is_ascii_digit() && c != '.' && c != ',').next()?;
+        digits
+            .trim_end_matches(['.', ','])
+            .replace(',', ".")
+            .parse::<f64>()
+            .ok()
+            .filter(|factor| (1.0..=4.0).contains(factor))
+    };
+    let Some(unit @ ReadingUnit::Length(..)) = unit else { return None };
+    Some(unit.fine(number?) / factor()?).filter(|sigma| *sigma > 0.0)
+}
+
 /// An answer in a line of a file; `None` for a number or another word.
 fn yes(value: &str) -> Option<bool> {
     match value {
@@ -247,11 +343,26 @@ fn take<T: PartialEq>(slot: &mut Option<(T, usize)>, value: Option<T>, line: usi
     }
 }
 
+/// Key and value of a line. A separator in brackets belongs to the key: `Uncertainty (k=2);0,5 um`.
+fn pair(line: &str) -> Option<(&str, &str)> {
+    let mut depth = 0_usize;
+    let at = line.char_indices().find(|(_, letter)| {
+        match letter {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && matches!(letter, ';' | ':' | '=' | '\t' | ',')
+    });
+    let (at, letter) = at?;
+    Some((line.get(..at)?, line.get(at + letter.len_utf8()..)?))
+}
+
 /// Reads the lines before the table.
 pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
     let mut found = CircleFacts::default();
     for &line in &table.before {
-        let Some((key, value)) = text.line(line).split_once([';', ':', '=', '\t', ',']) else { continue };
+        let Some((key, value)) = pair(text.line(line)) else { continue };
         let key = key.trim().to_lowercase();
         let value = value.trim().trim_matches([';', ',', '"', ' ']).to_lowercase();
         let number = grid::number(value.split_whitespace().next().unwrap_or_default(), table.decimal);
@@ -270,11 +381,11 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             take(&mut found.plane, answers::plane(&value).ok(), line, conflict);
         } else if has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]) {
             take(&mut found.radius_mm, length_mm, line, conflict);
-        } else if ["calibrated length", "length calibrated", "kalibrierte länge"]
-            .iter()
-            .any(|own| name.starts_with(own))
-        {
+        } else if CALIBRATED.iter().any(|own| name.starts_with(own)) && !is_length_sigma(&key) {
             take(&mut found.calibrated, yes(&value), line, conflict);
+            take(&mut found.certified, length_mm, line, conflict);
+        } else if is_length_sigma(&key) {
+            take(&mut found.length_sigma, Some(length_sigma(&key, &value, number, unit)), line, conflict);
         } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {
             take(&mut found.feed, number.map(|number| number * feed_factor(&key, &value)), line, conflict);
         } else if DIRECTIONS.iter().any(|word| name.trim_end() == *word || name.starts_with(&format!("{word} of"))) {

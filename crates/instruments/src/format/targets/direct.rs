@@ -8,11 +8,12 @@ use super::facts::{StatedFacts, TargetReading};
 use crate::answers::MeasuredComponent;
 use crate::inquiry::{ImportStop, Inquiry};
 use crate::readings::{ImportedKind, ImportedReadings, ImportedRow, shown};
+use crate::signs::SignMeaning;
 use crate::unit::ReadingUnit;
 
 /// Asks for everything else that a table of readings leaves open if it cannot be read on: all questions come in one round.
 pub(super) fn rest(inquiry: &mut Inquiry<'_>, facts: &StatedFacts) -> ImportStop {
-    let component = inquiry.answers().component;
+    let component = inquiry.answers().component.or(facts.component.map(|(component, _)| component));
     let axis = component.map(|one| one.axis).or(inquiry.answers().axis).or(facts.axis.map(|(axis, _)| axis));
     let is_angle = component.is_some_and(MeasuredComponent::is_angle);
     if axis.is_none() {
@@ -74,6 +75,31 @@ fn body_sense(inquiry: &Inquiry<'_>, machine: &Machine, component: MeasuredCompo
     Ok(share.signum())
 }
 
+/// The measured component by option and by a line of the file.
+///
+/// # Errors
+/// If the two are different, or if another line of the file mentions a straightness or an angle beside a positioning.
+fn with_file(
+    inquiry: &Inquiry<'_>,
+    said: Option<MeasuredComponent>,
+    facts: &StatedFacts,
+) -> Result<Option<MeasuredComponent>, ImportStop> {
+    let Some((stated, line)) = facts.component else { return Ok(said) };
+    if let Some(said) = said.filter(|said| *said != stated) {
+        let message = format!("--component {said} contradicts the file, which names {stated}");
+        return Err(inquiry.refused(message, "correct the option, or the file", line));
+    }
+    match facts.other_quantity.filter(|_| stated.is_positioning() && said.is_none()) {
+        Some(other) => {
+            let message = format!(
+                "the file names {stated}, which is a positioning, and line {other} mentions a straightness, an angle or another component"
+            );
+            Err(inquiry.refused(message, format!("give --component {stated}, or correct the file"), line))
+        }
+        None => Ok(Some(stated)),
+    }
+}
+
 /// Turns readings into those of one error component at a time.
 pub(in crate::format) fn direct(
     inquiry: &mut Inquiry<'_>,
@@ -83,20 +109,28 @@ pub(in crate::format) fn direct(
     let named = found.iter().find_map(|reading| reading.component);
     let said = inquiry.answer("component", |own| own.component);
     let said_axis = inquiry.answer("axis", |own| own.axis);
+    let said = with_file(inquiry, said, &facts)?;
     let component = match (said, named, said_axis, facts.axis) {
         (Some(component), None, axis, stated) => {
             if axis.is_some_and(|axis| axis != component.axis) {
                 return Err(inquiry.refused(
-                    format!("--axis and --component {component} name different axes"),
-                    "give one of them",
+                    match facts.component {
+                        Some(_) => format!("--axis contradicts the file, which names the component {component}"),
+                        None => format!("--axis and --component {component} name different axes"),
+                    },
+                    if facts.component.is_some() { "remove --axis, or correct the file" } else { "give one of them" },
                     0,
                 ));
             }
             if let Some((_, line)) = stated.filter(|(axis, _)| *axis != component.axis) {
-                let message = format!("--component {component} contradicts the file, which names another axis");
+                let by = if facts.component.is_some() { "the component" } else { "--component" };
+                let message = format!("{by} {component} contradicts the file, which names another axis");
                 return Err(inquiry.refused(message, "correct the option, or the file", line));
             }
-            inquiry.note(format!("measured error: --component {component}"), 0);
+            match facts.component {
+                Some((_, line)) => inquiry.note(format!("measured error: {component}"), line),
+                None => inquiry.note(format!("measured error: --component {component}"), 0),
+            }
             component
         }
         (said, Some(component), axis, _) => {
@@ -104,6 +138,10 @@ pub(in crate::format) fn direct(
             if found.iter().filter_map(|reading| reading.component).any(is_other)
                 || axis.is_some_and(|axis| axis != component.axis)
             {
+                if let Some((stated, line)) = facts.component {
+                    let message = format!("a line names the component {stated}, and the headings name {component}");
+                    return Err(inquiry.refused(message, "correct the file", line));
+                }
                 let option = if said.is_some() { "component" } else { "axis" };
                 let message = format!("--{option} contradicts the headings, which name {component}");
                 return Err(inquiry.refused(message, format!("remove --{option}, or correct the headings"), 0));
@@ -137,6 +175,8 @@ pub(in crate::format) fn direct(
                         if axis.letter() == b'Y' { 'X' } else { 'Y' }
                     ),
                 );
+                // Sign, point and temperature are asked for in the words of the component.
+                return Err(ImportStop::Asks);
             } else {
                 inquiry.note(
                     format!(
@@ -197,7 +237,10 @@ pub(in crate::format) fn direct(
             component.letter()
         )
     };
-    let sign = inquiry.sign(facts.sign, &question)?;
+    let is_difference =
+        component.is_positioning() && found.iter().all(|one| one.component.is_none_or(|own| own.is_positioning()));
+    let meaning = if is_difference { SignMeaning::Difference } else { SignMeaning::Direction };
+    let sign = inquiry.sign(facts.sign, &question, meaning)?;
     let tool = if component.is_angle()
         && found.iter().all(|reading| reading.component.is_none_or(MeasuredComponent::is_angle))
         && inquiry.answers().tool.is_none()

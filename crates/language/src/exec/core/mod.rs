@@ -15,7 +15,7 @@
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | steps of cycles | [`step`] |
 //! | paths, and their conversion by the motion sink | [`path`], [`motion_sink`], [`resolve`], [`curve_arcs`], [`five_axis`] |
-//! | faults, state of a run, limits of a run, values that it assumes | [`fault`], [`run_state`], [`options`], [`settings`], [`assumed_values`] |
+//! | faults, state of a run, limits of a run, values that it assumes or fixes | [`fault`], [`run_state`], [`options`], [`settings`], [`assumed_values`], [`fixed_values`] |
 //!
 //! # Parts of a family
 //!
@@ -77,6 +77,7 @@ pub(in crate::exec) mod executor;
 pub(in crate::exec) mod family;
 pub(in crate::exec) mod fault;
 pub(in crate::exec) mod five_axis;
+pub(in crate::exec) mod fixed_values;
 pub(in crate::exec) mod flags;
 pub(in crate::exec) mod grid;
 pub(in crate::exec) mod head;

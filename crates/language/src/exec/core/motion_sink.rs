@@ -5,12 +5,12 @@
 
 use std::collections::VecDeque;
 
-use super::contour::{ContourRequest, ContourStage, Item, Moving};
+use super::contour::{ContourRequest, ContourStage, Item, Moving, unstated};
 use super::fault::{Fault, fault};
 use super::options::Options;
 use super::path::{Path, Shape};
 use ncfix_base::diagnostic::{Code, Severity};
-use ncfix_base::geometry::{AxisSet, AxisVector};
+use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{BlockNumber, Element, Kind, Origin};
@@ -188,6 +188,13 @@ impl<'a> MotionSink<'a> {
     pub(in crate::exec) fn pass_path(&mut self, path: Path, element: Element, wish: ContourRequest) {
         self.note_compensation(&element, &wish);
         self.through_contour(Item::Path(Box::new(Moving::new(path, element, wish))));
+    }
+
+    /// Reports a motion that the contour stage changes and that depends on a position that the program has not stated.
+    pub(in crate::exec) fn check_stated(&mut self, path: &Path, wish: &ContourRequest, plane: Plane) {
+        if !self.contour.parts(path, wish) {
+            self.warnings.extend(unstated(path, wish, plane));
+        }
     }
 
     /// Holds a motion back until [`Self::close`] gives its end.

@@ -19,6 +19,8 @@ pub(in crate::exec) struct Position {
     by_change: AxisSet,
     /// Axes along which the tool length has changed without a motion.
     by_length: AxisSet,
+    /// `true` if parameter 5006 of a Fanuc decides about these.
+    has_parameter: bool,
 }
 
 impl Position {
@@ -28,6 +30,7 @@ impl Position {
         probed: AxisSet::EMPTY,
         by_change: AxisSet::EMPTY,
         by_length: AxisSet::EMPTY,
+        has_parameter: true,
     };
 
     /// The state before the first block: given by the caller, or as far as the machine states it.
@@ -67,8 +70,10 @@ impl Position {
         (self.known, self.by_length, self.probed) = (AxisSet::EMPTY, AxisSet::EMPTY, AxisSet::EMPTY);
     }
 
-    /// Makes axes unknown along which the length of the tool has changed without a motion.
-    pub(in crate::exec) fn forget_by_length(&mut self, axes: AxisSet) {
+    /// Makes axes unknown along which the length of the tool has changed without a motion. With `has_parameter`, a parameter of a Fanuc decides whether they
+    /// have moved.
+    pub(in crate::exec) fn forget_by_length(&mut self, axes: AxisSet, has_parameter: bool) {
+        self.has_parameter = has_parameter;
         let lost = axes.intersection(self.known);
         self.known = self.known.difference(lost);
         self.by_change = self.by_change.difference(lost);
@@ -96,11 +101,10 @@ impl Position {
     pub(in crate::exec) fn unknown(&self, span: Span, axis: Axis) -> Fault {
         if self.by_length.contains(axis) {
             let message = format!(
-                "the position of {axis} is not known: the tool length has changed along it, and a parameter of the control decides whether {axis} has followed"
+                "the position of {axis} is not known: the tool length has changed along it, and the control decides whether {axis} has followed"
             );
-            let help = format!(
-                "program an absolute position of {axis} with G43 or after it; the parameter of a Fanuc is 5006, bit 6 (TOS)"
-            );
+            let parameter = if self.has_parameter { "; the parameter of a Fanuc is 5006, bit 6 (TOS)" } else { "" };
+            let help = format!("program an absolute position of {axis} with G43 or after it{parameter}");
             return fault(Code::UNKNOWN_START, span, message, help);
         }
         fault(Code::UNKNOWN_START, span, format!("the position of {axis} is not known yet"), self.advice(axis))

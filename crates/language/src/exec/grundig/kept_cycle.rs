@@ -7,8 +7,8 @@ use ncfix_machine::snc::{CycleArgument, DrillingCycle, HoleTrigger, Kind};
 use std::fmt::Write as _;
 use std::sync::Arc as Shared;
 
-/// Drilling cycles without a motion of their own between spindle and axis.
-const DRILLING: [u16; 4] = [81, 83, 85, 86];
+/// Cycles of holes. A tap stays one with and without a compensating chuck: the control starts its own reversal.
+const DRILLING: [u16; 5] = [81, 83, 84, 85, 86];
 
 /// Marks the beginning of a hole with this surface, mm in the coordinates of the program; `true` if it is marked.
 pub(super) fn begin(
@@ -19,8 +19,7 @@ pub(super) fn begin(
     surface_mm: f64,
 ) -> bool {
     let number = defined.cycle.number;
-    let may_stay = DRILLING.contains(&number) || defined.is_rigid_tapping();
-    if !channel.settings.keeps_cycles || !may_stay || channel.modal.modes.scale() != 1.0 {
+    if !channel.settings.keeps_cycles || !DRILLING.contains(&number) || channel.modal.modes.scale() != 1.0 {
         return false;
     }
     let along = channel.modal.modes.plane.axes()[2];

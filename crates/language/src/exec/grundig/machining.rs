@@ -125,12 +125,17 @@ fn define_cycle(
     if is_rigid && channel.settings.strict && !channel.settings.keeps_cycles {
         return Err(not_coupled(span));
     }
-    if cycle.number == 84 && !(is_rigid && channel.settings.keeps_cycles) {
-        let message = "tapping becomes feed moves with a spindle reversal between them";
-        let help = "use a compensating tapping chuck; keep the override at 100 %";
-        channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
+    if cycle.number == 84 && !channel.settings.keeps_cycles {
+        channel.outlet.warnings.push(by_feed(span));
     }
     Ok(())
+}
+
+/// The warning for a tap that becomes moves.
+fn by_feed(span: Span) -> Fault {
+    let message = "tapping becomes feed moves with a spindle reversal between them";
+    let help = "use a compensating tapping chuck; keep the override at 100 %";
+    fault(Code::TAPPING_BY_FEED, span, message, help)
 }
 
 /// The error for a tap without a compensating chuck that would become moves.
@@ -253,6 +258,10 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     let is_marked = kept_cycle::begin(channel, defined, &words, cutting, at.surface);
     if defined.is_rigid_tapping() && channel.settings.strict && !is_marked {
         return Err(not_coupled(span));
+    }
+    // In a scaled frame; without kept cycles, the definition has the warning.
+    if defined.cycle.number == 84 && channel.settings.keeps_cycles && !is_marked {
+        channel.outlet.warnings.push(by_feed(span));
     }
     for step in steps {
         channel.modal.modes.feed = cutting;

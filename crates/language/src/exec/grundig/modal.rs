@@ -61,6 +61,8 @@ pub(super) struct Modal {
     pub(super) position: Position,
     /// The plane of G7.
     pub(super) tilted: Option<Box<Tilted>>,
+    /// Rotary axes that `G7 L1=1` has turned to zero or not.
+    pub(super) unturned: AxisSet,
     /// G141: positions are those of the tip, fixed to the workpiece.
     pub(super) turning: Option<Turning>,
 }
@@ -89,6 +91,7 @@ impl Modal {
             last_hole: None,
             position: Position::at_start(start, machine),
             tilted: None,
+            unturned: AxisSet::EMPTY,
             turning: None,
         }
     }

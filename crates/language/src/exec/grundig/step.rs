@@ -6,10 +6,10 @@ use super::modal::MotionKind;
 use super::setup;
 use super::target;
 use super::target::Target;
+use super::tilted;
 use super::tool::place;
 use crate::exec::core::contour::ContourRequest;
 use crate::exec::core::contour::Shown;
-use crate::exec::core::contour::unstated;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::fault;
@@ -93,6 +93,9 @@ pub(super) fn elementary(
     shape: impl FnOnce([&AxisVector; 2]) -> Result<Shape, Fault>,
 ) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
+    if !channel.modal.unturned.is_empty() {
+        tilted::position_again(&mut channel.modal.unturned, named, rapid, span)?;
+    }
     let start = channel.modal.position.command;
     let target = reach(&channel.modal, &channel.standing, to, named);
     if let Some(axis) = AXES_OF_MOTION.into_iter().find(|&axis| target[axis].is_nan() || target[axis].abs() > 1e9) {
@@ -166,7 +169,7 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     );
     let wish = ContourRequest { corner, soft, ..wish };
     if channel.settings.strict {
-        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
+        channel.outlet.check_stated(&path, &wish, channel.modal.modes.plane);
     }
     let tool = channel.modal.tool.active;
     channel.outlet.name_register(&wish, || tool.map_or_else(|| "the tool".to_owned(), |tool| format!("T{tool}")));

@@ -8,13 +8,13 @@ use super::gathered::{Found, Gathered};
 use super::setup;
 use super::step;
 use super::target;
-use super::tilted::Tilted;
+use super::tilted::{Tilted, unturned};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tilted_plane::workpiece_normal;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use ncfix_base::source::Span;
-use ncfix_machine::machine::{Kinematics, PlaneOrder};
+use ncfix_machine::machine::{Kinematics, Machine, PlaneOrder};
 use ncfix_machine::snc::Kind;
 
 /// The words of a block with G7.
@@ -38,14 +38,18 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     setup::refresh_setup(channel)?;
     let Some(angles) = words.angles else {
         if words.turns && !is_at_zero(channel) {
-            let message = "G7 with L1=1 and without angles: no source states if the rotary axes then turn to zero";
-            let help =
-                "write G7 alone if they stay, G7 A5=0 B5=0 C5=0 L1=1 if they turn; or turn them to zero before it";
-            return Err(bad_value(span, message, help));
+            // The block stays: the control does with the axes what it does in the program.
+            channel.outlet.push_line(Kind::Verbatim(b"G7 L1=1".to_vec()));
+            channel.modal.unturned = rotary_axes(channel.settings.machine);
+            channel.modal.position.known = channel.modal.position.known.difference(channel.modal.unturned);
+        } else {
+            end_on_control(channel);
         }
-        end_on_control(channel);
         return Ok(());
     };
+    if !channel.modal.unturned.is_empty() && angles != [0.0; 3] {
+        return Err(unturned(channel.modal.unturned, span));
+    }
     let rotation = rotation(angles, channel.settings.machine.control.grundig.plane_order, span)?;
     let (turned, is_tilted) = aligned(channel, &rotation, span)?;
     if !was_tilted || !is_tilted {
@@ -78,7 +82,11 @@ fn is_at_zero(channel: &Channel<'_>) -> bool {
         let from_zero_rad = (position.command[axis] - frame.shift(axis)).abs();
         position.known.contains(axis) && from_zero_rad < 0.5 * machine.control.increment_rad
     };
-    ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).all(is_there)
+    rotary_axes(machine).iter().all(is_there)
+}
+
+fn rotary_axes(machine: &Machine) -> AxisSet {
+    ROTARY_AXES.into_iter().filter(|axis| machine.axis(*axis).is_some()).collect()
 }
 
 fn words(gathered: &mut Gathered) -> Result<Words, Fault> {
@@ -196,7 +204,7 @@ fn store(channel: &mut Channel<'_>, registers: &[(Axis, usize, Span)], turned: &
 fn turn(channel: &mut Channel<'_>, turned: &AxisVector) -> Result<(), Fault> {
     let mut to = target::here(&channel.modal, &channel.standing);
     let mut named = AxisSet::EMPTY;
-    for axis in ROTARY_AXES.into_iter().filter(|axis| channel.settings.machine.axis(*axis).is_some()) {
+    for axis in rotary_axes(channel.settings.machine).iter() {
         to[axis] = turned[axis] - channel.standing.setup.frame.shift(axis);
         named.insert(axis);
     }

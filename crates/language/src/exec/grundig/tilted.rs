@@ -1,6 +1,6 @@
 //! A tilted plane in force, and the motions that it permits.
 
-use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tilted_plane::turned_frame;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, ROTARY_AXES, Vector};
@@ -58,4 +58,23 @@ impl Tilted {
         let help = "turn the rotary axes first, with L1=1 in the block of G7 or to the angles of its A7=, B7=, C7=";
         Err(fault(Code::BAD_SWIVEL, span, message, help))
     }
+}
+
+/// Takes the axes of a motion after `G7 L1=1`: X, Y and Z may move again as soon as the program has positioned the rotary axes, or at rapid with them.
+pub(super) fn position_again(open: &mut AxisSet, named: AxisSet, rapid: bool, span: Span) -> Result<(), Fault> {
+    let before = *open;
+    *open = before.difference(named);
+    let moves_others = !named.intersection(AxisSet::XYZ).is_empty();
+    if moves_others && (!open.is_empty() || !rapid) { Err(unturned(before, span)) } else { Ok(()) }
+}
+
+/// The fault for a block that depends on the rotary axes after `G7 L1=1`.
+pub(super) fn unturned(axes: AxisSet, span: Span) -> Fault {
+    let shown: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
+    let message = format!(
+        "a G7 with L1=1 and without angles precedes this block, and no source states if {} then turned to zero",
+        shown.join(" and ")
+    );
+    let help = "position them at rapid before it, or write G7 alone if they stay, G7 A5=0 B5=0 C5=0 L1=1 if they turn";
+    bad_value(span, message, help)
 }

@@ -136,7 +136,7 @@ pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut
     if let Some((value, span)) = gathered.once(b'F', Some(1))? {
         modal.contour.feed_at = match value {
             0.0 => FeedAt::Center,
-            1.0 => FeedAt::InnerContour,
+            1.0 => FeedAt::InnerContour(0),
             2.0 => FeedAt::Contour,
             _ => return Err(bad_value(span, format!("F1={value} is not supported"), "write F1=0, 1 or 2")),
         };

@@ -119,6 +119,7 @@ pub(super) struct Warned {
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
         self.outlet.warnings.extend(self.variables.assumed.take('#'));
+        self.outlet.warnings.extend(self.variables.fixed.take());
         &mut self.outlet
     }
 }
@@ -196,6 +197,8 @@ pub(super) struct Cycles {
     pub(super) is_exact: bool,
     /// `true` after M29, which announces rigid tapping.
     pub(super) is_rigid: bool,
+    /// `true` if the program was warned of levels under G91 that holes under G90 use.
+    pub(super) is_step_named: bool,
 }
 
 /// State saved by M70 or M73 at a program level.

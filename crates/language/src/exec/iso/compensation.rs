@@ -7,7 +7,7 @@ use super::gathered::Gathered;
 use super::measure;
 use super::measure::whole;
 use super::modes;
-use crate::exec::core::contour::{ContourRequest, Shown, Side, unstated};
+use crate::exec::core::contour::{ContourRequest, Shown, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::Path;
@@ -165,7 +165,7 @@ pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
     let file = channel.outlet.file();
     let wish = ContourRequest { corner, ..ContourRequest::of(modal, channel.modal.tool.radius_mm, path.span, file) };
     if channel.settings.strict {
-        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
+        channel.outlet.check_stated(&path, &wish, channel.modal.modes.plane);
     }
     let (number, tool) = (modal.register, channel.modal.tool.active);
     channel.outlet.name_register(&wish, || match (number, tool) {

@@ -79,7 +79,6 @@ pub(super) fn cycle_at(
     pattern: Option<Pattern>,
 ) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
-    let span = if span == Span::default() { gathered.span } else { span };
     if pattern.is_none() {
         no_faster_return(channel, gathered, code)?;
     }
@@ -150,6 +149,7 @@ pub(super) fn cycle_at(
             return Err(found);
         }
     };
+    warn_of_steps(channel, gathered, &call, applicate);
     let mut polar = channel.special.polar;
     let mut hole = 0;
     let mut of_pattern = || {
@@ -310,6 +310,29 @@ fn is_in_hole(step: &CycleStep) -> bool {
     !matches!(step, CycleStep::Rapid { .. })
 }
 
+/// Warns if the levels of a hole are those of a block under G91 and this one is under G90.
+fn warn_of_steps(channel: &mut Channel<'_>, gathered: &Gathered, call: &Call, applicate: Axis) {
+    let [has_r, has_bottom] = channel.cycles.drill.kept_from_steps(call);
+    let drills = call.repeats != Some(0);
+    if channel.is_rs274() || !channel.settings.strict || !drills || !(has_r || has_bottom) {
+        return;
+    }
+    if std::mem::replace(&mut channel.cycles.is_step_named, true) {
+        return;
+    }
+    let words = match (has_r, has_bottom) {
+        (true, true) => format!("R and {applicate}"),
+        (true, false) => "R".to_owned(),
+        (false, _) => applicate.to_string(),
+    };
+    let message = format!(
+        "{words} of {} were programmed under G91, and this hole is under G90: ncfix keeps the levels that they had",
+        name_of(call.code)
+    );
+    let help = "write R and the depth in the first block after G90: no manual states whether the control keeps the levels or reads these values as positions";
+    channel.outlet.warnings.push(fault(Code::STEPS_UNDER_G90, gathered.span, message, help));
+}
+
 /// Handles an axis that the operator has moved: its position is an assumption.
 fn brought(
     settings: &RunSettings<'_>,
@@ -376,6 +399,12 @@ fn call(
     }
     // Only a block with a position or depth drills.
     if !is_rs274 && pattern.is_none() && gathered.axes.is_empty() && !gathered.has(b'R') {
+        // Q is stored only in a block that drills, or with K0 (B-63944EN, canned cycle for drilling: restrictions of Q).
+        if gathered.has(b'Q') && repeats != Some(0) {
+            let message =
+                format!("{} has Q in a block without a hole, where the control does not store it", name_of(code));
+            return Err(bad_value(gathered.span_of(b'Q'), message, "write Q into the block of the first hole"));
+        }
         repeats = Some(0);
     }
     if is_rs274 {
@@ -478,14 +507,16 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
 
 /// K of a peck cycle is the number of holes on a Fanuc and a depth on a Haas.
 ///
-/// A number of holes has no decimal point, and stands beside the step to the next hole under G91. A Haas would read it in increments.
+/// A number of holes has no decimal point. A Haas would read it in increments, which nobody writes beside the step to the next hole under G91, or beside a Q
+/// with a decimal point.
 fn check_count(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     if !matches!(code, 730 | 830) || channel.settings.machine.control.iso.reads_as_fanuc() {
         return Ok(());
     }
     let name = name_of(code);
     let span = gathered.span_of(b'K');
-    let is_count = channel.modal.modes.incremental && gathered.is_unpointed(b'K');
+    let writes_points = channel.modal.modes.incremental || gathered.is_pointed(b'Q');
+    let is_count = writes_points && gathered.is_unpointed(b'K');
     if !is_count {
         let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
         let help = "write the number of holes with L and G91, or omit K; or set control.word_meaning = \"fanuc\" or controller = \"haas\"";

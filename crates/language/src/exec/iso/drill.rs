@@ -94,6 +94,14 @@ impl Drill {
         self.bottom = bottom.map(level).or(self.bottom);
     }
 
+    /// Which of R and the bottom a block takes over from a block under another distance mode: G91 there, G90 here.
+    pub(super) fn kept_from_steps(&self, call: &Call) -> [bool; 2] {
+        let is_step = |level: Option<Level>, word: Option<f64>| {
+            word.is_none() && !call.incremental && level.is_some_and(|level| level.is_incremental)
+        };
+        [is_step(self.r, call.r), is_step(self.bottom, call.bottom)]
+    }
+
     /// Records that another motion has stated the tool position.
     pub(super) fn moved(&mut self) {
         self.is_drawn_out = false;
@@ -167,7 +175,8 @@ impl Drill {
             return Err(fault(format!("{missing} was not programmed"), help));
         };
         // Q is data of the hole, which stay until G80 (Fanuc operator's manual, canned cycle).
-        if matches!(call.code, 740 | 840 | 842 | 843) && call.q.is_none() && self.q.is_some_and(|q| q != 0.0) {
+        let is_tap = matches!(call.code, 740 | 840 | 842 | 843);
+        if is_tap && self.q_code != call.code && self.q.is_some_and(|q| q != 0.0) {
             let message = "Q of an earlier cycle is still in force, so the control may tap in pecks".into();
             let help = "write G80 in a block before this cycle, or Q0 in its block";
             return Err(HoleFault { is_unsupported: true, ..fault(message, help) });
@@ -359,6 +368,19 @@ mod tests {
         assert_eq!((noted, out.len()), (CALL.from, 0));
         drill.run(Language::Fanuc, &WORDLESS, to(10.0, 0.0), &mut out).unwrap();
         assert_eq!(out.len(), 4);
+    }
+
+    #[test]
+    fn the_pecks_of_a_tap_stay_its_own() {
+        let tap = |code: u16, q: Option<f64>| Call { code, q, is_kept: true, ..CALL };
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        drill.run(Language::Fanuc, &tap(840, Some(2.0)), to(10.0, 0.0), &mut out).unwrap();
+        // The next hole has no Q in its block.
+        drill.run(Language::Fanuc, &tap(840, None), to(20.0, 0.0), &mut out).unwrap();
+        assert_eq!(drill.peck(), Some(2.0));
+        // Another cycle inherits it: its meaning there is not known.
+        let found = drill.run(Language::Fanuc, &tap(740, None), to(30.0, 0.0), &mut out).unwrap_err();
+        assert!(found.is_unsupported && found.message.contains("earlier cycle"), "{}", found.message);
     }
 
     #[test]

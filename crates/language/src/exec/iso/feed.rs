@@ -259,7 +259,9 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, help));
         }
     }
-    if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
+    // G22 alone, as in the first block of many programs, takes nothing from the motion.
+    let takes_axes = entry.uses(b'X') && gathered.has_any(b"XYZABCUVWIJKR");
+    if takes_axes && gathered.code(Group::Motion).is_some() {
         let message = format!("{} and a motion both use the axis words of the block", entry.name);
         let help = "give each of them its own block";
         return Err(fault(Code::MUST_STAND_ALONE, gathered.code_span(Group::Motion), message, help));
@@ -285,5 +287,5 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         }
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
-    Ok(entry.uses(b'X'))
+    Ok(takes_axes)
 }

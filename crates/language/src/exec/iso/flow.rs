@@ -39,7 +39,7 @@ pub(super) fn block(
     Ok(match block.body {
         Body::Words => return execute(loaded, level, channel, block, words),
         Body::IfThen(condition) => {
-            if scope.truth(condition)? {
+            if truth(&scope, condition)? {
                 return execute(loaded, level, channel, block, words);
             }
             Action::Next
@@ -50,9 +50,9 @@ pub(super) fn block(
         }
         Body::Faulty | Body::Do | Body::EndIf | Body::While(None) => Action::Next,
         Body::Goto(target) => jump(loaded, &scope, level, index, target)?,
-        Body::IfGoto { condition, target } if scope.truth(condition)? => jump(loaded, &scope, level, index, target)?,
+        Body::IfGoto { condition, target } if truth(&scope, condition)? => jump(loaded, &scope, level, index, target)?,
         Body::IfGoto { .. } => Action::Next,
-        Body::While(Some(condition)) if scope.truth(condition)? => Action::Next,
+        Body::While(Some(condition)) if truth(&scope, condition)? => Action::Next,
         Body::While(Some(_)) => {
             channel.loops.continues = false;
             channel.loops.breaks |= loaded.own.has_break_behind(index, index);
@@ -60,7 +60,7 @@ pub(super) fn block(
         }
         Body::EndWhile | Body::EndRepeat => partner.map_or(Action::Next, Action::Jump),
         Body::DoWhile(condition) => {
-            let goes_on = scope.truth(condition)?;
+            let goes_on = truth(&scope, condition)?;
             if goes_on && !channel.loops.breaks {
                 behind_partner()
             } else {
@@ -73,7 +73,7 @@ pub(super) fn block(
             let count = scope.number(count)?.round().clamp(0.0, f64::from(u32::MAX)) as u32;
             if channel.loops.repeat((level.program, index), count) { Action::Next } else { behind_partner() }
         }
-        Body::If(condition) if scope.truth(condition)? => Action::Next,
+        Body::If(condition) if truth(&scope, condition)? => Action::Next,
         Body::If(_) => next_branch(&scope, block)?,
         // Reached from above: the previous branch was taken.
         Body::ElseIf(_) | Body::Else => Action::Jump(end_of_if(loaded, index)),
@@ -101,6 +101,14 @@ pub(super) fn block(
             Action::Next
         }
     })
+}
+
+/// True if a condition is true. A condition that uses data of the control is noted.
+fn truth(scope: &Scope<'_, '_>, condition: ExprId) -> Result<bool, Fault> {
+    if origin::of(scope, condition)?.is_some() {
+        scope.channel.variables.fixed.note(scope.span(condition));
+    }
+    scope.truth(condition)
 }
 
 /// Executes the words of a block: assignments, calls, and the words for the channel.
@@ -227,7 +235,7 @@ fn next_branch(scope: &Scope<'_, '_>, block: &Block) -> Result<Action, Fault> {
     while let Some(at) = next {
         let Some(branch) = scope.program.blocks.get(at) else { break };
         match branch.body {
-            Body::ElseIf(condition) if !scope.truth(condition)? => next = branch.partner().filter(|&next| next > at),
+            Body::ElseIf(condition) if !truth(scope, condition)? => next = branch.partner().filter(|&next| next > at),
             _ => return Ok(Action::Jump(at + 1)),
         }
     }

@@ -83,7 +83,7 @@ fn within_transforms(
     let Some((what, end, group)) = transform_within(modal, gathered) else { return Ok(()) };
     let is_tilted = modal.transforms.tilt().is_some();
     // Machine positions do not rotate with a tilted plane, and its working plane is selected within it.
-    let is_free = is_tilted && *kind != Kind::Origin;
+    let is_free = is_tilted && *kind != Kind::Origin || shifts_nothing(machine, modal, gathered);
     // `G17 G68 X0 Y0 R30.`: the plane of the rotation that begins here.
     let begins =
         *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(modal, gathered) == modal.modes.plane;
@@ -93,6 +93,12 @@ fn within_transforms(
     let message = format!("{name} while {what}: a Fanuc forbids it, and the resulting position is not defined");
     let help = format!("end it with {end} first, and begin it again after {name}; {SETTING}");
     Err(fault(Code::FORBIDDEN_STATE, *span, message, help))
+}
+
+/// `true` for a G52 of zeros while the local shift is zero: a Haas executes it, and nothing changes.
+fn shifts_nothing(machine: &Machine, modal: &Modal, gathered: &Gathered) -> bool {
+    let is_zero = |axis: Axis| modal.local[axis] == 0.0 && gathered.raw_quietly(axis.letter()) == Some(0.0);
+    machine.control.iso.is_haas() && gathered.code(Group::Action) == Some(520) && gathered.axes.iter().all(is_zero)
 }
 
 /// The active rotation, scaling or mirroring that the block does not end, the code that ends it, and its group.
@@ -148,7 +154,7 @@ fn within_polar(
     }
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let has_words = [abscissa, ordinate].into_iter().any(|axis| {
-        gathered.axes.contains(axis) && !(modal.modes.incremental && gathered.raw(axis.letter()) == Some(0.0))
+        gathered.axes.contains(axis) && !(modal.modes.incremental && gathered.raw_quietly(axis.letter()) == Some(0.0))
     });
     let is_forbidden = match kind {
         Kind::Plane => plane_of(modal, gathered) != modal.modes.plane,

@@ -107,12 +107,12 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
     }
     if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == CodeEffect::Refuse) {
         let message = match of_haas {
-            Some(_) => format!("{} is a code of Haas and not supported for controller = \"fanuc\"", entry.name),
+            Some(_) => format!("G{value} is a code of Haas and not supported for controller = \"fanuc\""),
             None => format!("{} ({}) is not supported", entry.name, entry.meaning),
         };
         let help = match of_haas {
             Some(_) => {
-                "if the control is a Haas, set controller = \"haas\" in the machine file; otherwise write these moves as G0, G1, G2 and G3"
+                "if the control is a Haas, set controller = \"haas\" in the machine file; if the code calls a macro, name it in macro_codes; otherwise write these moves as G0, G1, G2 and G3"
             }
             None => haas_codes::advice(tenths).unwrap_or("write these moves as G0, G1, G2 and G3"),
         };

@@ -128,9 +128,9 @@ impl Gathered {
         (code != NONE).then_some(code)
     }
 
-    /// The span of the G code of a group.
+    /// The span of the G code of a group; without one, that of the block.
     pub(super) fn code_span(&self, group: Group) -> Span {
-        self.code_spans[group as usize]
+        if self.code(group).is_some() { self.code_spans[group as usize] } else { self.span }
     }
 
     /// Sets a value. Returns `true` if the letter already had one.

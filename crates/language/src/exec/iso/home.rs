@@ -68,8 +68,8 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     Ok(())
 }
 
-/// `true` if one axis of unknown position moves by its increment towards a reference point at the end of its travel: `G91 G28 Z1.` at the start of a program. The
-/// intermediate point is on the way, wherever the axis is.
+/// `true` if one axis of unknown position moves by its increment to the intermediate point: `G91 G28 Z1.` at the start of a program. Both motions are
+/// along this axis, so they pass all places of the direct way. A motion away from a reference point at the end of the travel is not accepted.
 fn leads_home(channel: &mut Channel<'_>, gathered: &Gathered, point: u8, span: Span) -> Result<bool, Fault> {
     let mut axes = gathered.axes.iter();
     let (Some(axis), None) = (axes.next(), axes.next()) else { return Ok(false) };
@@ -79,9 +79,9 @@ fn leads_home(channel: &mut Channel<'_>, gathered: &Gathered, point: u8, span: S
     }
     let by = target::axis_value(channel, gathered, axis)?;
     let machine = channel.settings.machine;
-    let Some([low, high]) = machine.axis(axis).and_then(|data| data.travel) else { return Ok(false) };
+    let Some([low, high]) = machine.axis(axis).and_then(|data| data.travel) else { return Ok(true) };
     let home = reference(machine, channel.language, &channel.variables, point, axis, span)?;
-    Ok(if by > 0.0 { home >= high } else { home <= low })
+    Ok(if by > 0.0 { home > low } else { home < high })
 }
 
 /// Position of a reference point of an axis, mm or rad.

@@ -138,6 +138,9 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
             let is_named = gathered.code(Group::Motion).is_some() || gathered.code(Group::Cycle) != Some(G80);
             let is_special = code > 30 && code != G80 && (is_named || !gathered.axes.is_empty());
             let moves = !is_passed && !takes_axes && (is_special || has_way(&channel.modal, gathered, code));
+            if moves && let Some((letter, _)) = gathered.origins.iter().find(|(letter, _)| is_place(*letter)) {
+                channel.variables.fixed.note(gathered.span_of(*letter));
+            }
             if moves {
                 done = motion::motion(channel, gathered, code);
             } else {
@@ -153,6 +156,11 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     }
     auxiliary::lose_by_functions(&mut channel.modal, &mut channel.outlet, gathered);
     done
+}
+
+/// True for the letters of positions, centers, radii and depths.
+fn is_place(letter: u8) -> bool {
+    matches!(letter, b'A'..=b'C' | b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z')
 }
 
 /// `true` if a block has words for a line or an arc.

@@ -20,7 +20,8 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
         &mut channel.modal.position.command,
     );
     if !channel.is_rs274() {
-        channel.modal.position.forget_by_length(lengthened(&channel.standing.setup, &setup));
+        let has_parameter = !channel.settings.machine.control.iso.is_haas();
+        channel.modal.position.forget_by_length(lengthened(&channel.standing.setup, &setup), has_parameter);
     }
     let (old, new) = (&channel.standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 use super::data_origin::DataOrigin;
 use crate::exec::core::assumed_values::AssumedValues;
+use crate::exec::core::fixed_values::FixedValues;
 use crate::syntax::words::{NameId, Program};
 use ncfix_base::geometry::AxisVector;
 use ncfix_dialect::Language;
@@ -93,6 +94,8 @@ pub(super) struct Variables {
     programs: Vec<Vec<Symbol>>,
     /// Values of other programs that were read as null.
     pub(super) assumed: AssumedValues,
+    /// Values of the control that positions and conditions use.
+    pub(super) fixed: FixedValues,
 }
 
 impl Variables {
@@ -126,6 +129,7 @@ impl Variables {
             probed: None,
             programs: Vec::new(),
             assumed: AssumedValues::new(tells_assumed),
+            fixed: FixedValues::default(),
         };
         variables.levels[0].numbered = variables.no_locals();
         if language == Language::Rs274 {

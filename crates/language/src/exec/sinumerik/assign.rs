@@ -34,6 +34,9 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
             Address::Indexed(left) if beside::is_assignable(loaded, &channel.variables, left) => {
                 let list = assigned(loaded, channel, word)?;
                 let step = own_step::of(loaded, channel, left, word)?;
+                if step.is_some() {
+                    channel.variables.fixed.forget();
+                }
                 assign_stepped(loaded, channel, left, list, (span, step.as_deref()))?;
             }
             Address::Name(name) if loaded.program.names.text(name).starts_with('$') => {

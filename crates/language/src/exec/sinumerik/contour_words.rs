@@ -8,7 +8,6 @@ use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::{
     Approach, Clearance, ContourModal, ContourRequest, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition,
-    unstated,
 };
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::motion_sink::MotionSink;
@@ -39,7 +38,7 @@ impl ContourModal {
             "CDOF" | "CDOF2" => self.collision = false,
             "CFC" => self.feed_at = FeedAt::Contour,
             "CFTCP" => self.feed_at = FeedAt::Center,
-            "CFIN" => self.feed_at = FeedAt::InnerContour,
+            "CFIN" => self.feed_at = FeedAt::InnerContour(0),
             "G140" => self.soft_side = SoftSide::Compensation,
             "G141" => self.soft_side = SoftSide::Left,
             "G142" => self.soft_side = SoftSide::Right,
@@ -283,6 +282,6 @@ fn check_known(strict: bool, modal: &Modal, outlet: &mut MotionSink<'_>, path: &
         outlet.warnings.push(fault(Code::NOT_SUPPORTED, wish.span, message, "program the feed with G94 or G95"));
     }
     if strict {
-        outlet.warnings.extend(unstated(path, wish, modal.modes.plane));
+        outlet.check_stated(path, wish, modal.modes.plane);
     }
 }

@@ -113,6 +113,7 @@ impl Execute for Sinumerik {
         let loaded = &mut programs[level.program];
         let comment = loaded.take_comment(index, block);
         let section = loaded.program.sections.get(level.part).map_or(0..0, |section| section.blocks.clone());
+        channel.variables.fixed.mute(loaded.own.built_in.is_some());
         let action = flow::block(loaded, level, channel, block, index, section, comment, machine);
         flow::note_looks(&channel.system, &mut channel.outlet);
         action

@@ -382,6 +382,12 @@ impl Scope<'_> {
     pub(super) fn read_frame(&self, name: FrameName, range: Option<ArgumentRange>, id: ExprId) -> Result<Value, Fault> {
         let span = self.program.expr(id).span;
         let parts = self.frame(name, span)?;
+        // A frame that the program itself has set is the same at the control.
+        if let FrameName::Settable(number) = name
+            && !self.system.frames.settable.contains_key(&number)
+        {
+            self.variables.fixed.note(span);
+        }
         match range.map(|range| self.component(range)).transpose()?.flatten() {
             Some((axis, component, _)) => self.get_component(&parts, axis, component, span),
             None => Ok(Value::Frame(Box::new(parts))),

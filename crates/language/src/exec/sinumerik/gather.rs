@@ -367,6 +367,9 @@ impl Gatherer<'_> {
             (false, true) => "a block number is the first word of its block, before a label: N115 NEXT: G1 X60",
             (false, false) => {
                 let name: String = shown.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
+                if name.eq_ignore_ascii_case("R") {
+                    return refusals::radius_of_iso(&shown, word.span);
+                }
                 return refusals::refusal(&name.to_ascii_uppercase(), &shown, word.span);
             }
         };

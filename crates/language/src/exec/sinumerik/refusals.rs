@@ -33,6 +33,13 @@ const REASONS: &[(&[&str], &str, &str)] = &[
     ),
 ];
 
+/// R with a number in a motion: R is a parameter of this control, and the radius of an arc has an address of its own.
+pub(super) fn radius_of_iso(shown: &str, span: Span) -> Fault {
+    let message = format!("{shown} is no word of a motion: R is a parameter of this control, such as R1=5");
+    let help = "write the radius of an arc with CR=, and a length of polar coordinates with RP=: G3 X70 Y10 CR=40";
+    fault(Code::NOT_SUPPORTED, span, message, help)
+}
+
 /// The refusal of a word that is known and not executed; `shown` is what the message names.
 pub(super) fn refusal(name: &str, shown: &str, span: Span) -> Fault {
     let row = REASONS.iter().find(|(names, ..)| names.contains(&name));

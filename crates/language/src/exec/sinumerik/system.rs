@@ -87,6 +87,11 @@ impl Scope<'_> {
             return Ok(value.clone());
         }
         if let Some(value) = self.computed(name, &indices, id)? {
+            // Data that the program itself has set are the same at the control.
+            let is_of_tool = name.starts_with("$TC_DP") || matches!(name, "$P_TOOLL" | "$P_TOOLR");
+            if is_of_tool && !self.system.tools.has_written() {
+                self.variables.fixed.note(self.program.expr(id).span);
+            }
             return Ok(value);
         }
         if let Some(value) = self.machine.system.get(&key).and_then(setting_value) {

@@ -106,6 +106,11 @@ impl ToolData {
         self.edges.find(machine, tool, edge)?.parameters.get(number).copied().flatten()
     }
 
+    /// True if the program has set tool data.
+    pub(super) fn has_written(&self) -> bool {
+        self.edges.all_written().len() > 0
+    }
+
     /// Sets `$TC_DPn[t,d]`; `false` if the parameter does not exist or there is no room.
     pub(super) fn set_parameter(&mut self, machine: &Machine, number: usize, tool: u32, edge: u32, value: f64) -> bool {
         if self.edges.written(tool, edge).is_none() && self.edges.all_written().len() >= MAX_EDGES {

@@ -7,6 +7,7 @@ use super::functions::is_function;
 use super::value::Value;
 use crate::exec::core::assumed_values::AssumedValues;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::fixed_values::FixedValues;
 use crate::exec::core::options::Options;
 use crate::syntax::sinumerik::{DefinitionType, NameId};
 use ncfix_base::diagnostic::Code;
@@ -73,6 +74,8 @@ pub(super) struct Variables {
     strict: bool,
     /// Those that were read nevertheless, as 0.
     pub(super) assumed: AssumedValues,
+    /// Values of the control that positions and conditions use.
+    pub(super) fixed: FixedValues,
     locals: Locals,
     globals: HashMap<String, Cells>,
     global_elements: usize,
@@ -89,6 +92,7 @@ impl Variables {
             stated: vec![false; PARAMETERS],
             strict: options.strict,
             assumed: AssumedValues::new(options.tells_assumed),
+            fixed: FixedValues::default(),
             locals: Locals::default(),
             globals: HashMap::new(),
             global_elements: 0,

@@ -95,12 +95,8 @@ impl Parser {
         if bytes.starts_with(b"\xef\xbb\xbf") {
             start = start.max(3);
         }
-        let mut line = 0;
-        if start > 3 {
-            let before = bytes[..start].iter().filter(|&&byte| byte == source.line_end()).count();
-            line = u32::try_from(before).unwrap_or(u32::MAX);
-        }
-        ((start, line), end)
+        let before = bytes[..start].iter().filter(|&&byte| byte == source.line_end()).count();
+        ((start, u32::try_from(before).unwrap_or(u32::MAX)), end)
     }
 
     /// Reads whole lines from an offset up to another one. `line` is the number of lines before it. Returns the start of the next line and its

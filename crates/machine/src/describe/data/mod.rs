@@ -35,6 +35,10 @@ pub struct ControlFacts {
     /// Origin of [`Self::rotary`].
     pub rotary_origin: String,
     axes: BTreeMap<usize, AxisFacts>,
+    /// Shift of the workpiece zero by TRAORI, mm; `None` if the chain is closed.
+    pub zero_shift_mm: Option<Known<[f64; 3]>>,
+    /// Axes by their numbers at the control, from 1.
+    pub axis_numbers: Option<Known<BTreeMap<usize, Axis>>>,
     /// Unit of the files in which the control saves offsets and tools: `mm` or `inch`.
     pub saved_unit: Option<Known<&'static str>>,
     /// Increments into which the control divides a millimeter.

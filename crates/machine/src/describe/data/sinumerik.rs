@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::reset_words::{ResetWord, reset_word};
 use super::{ControlDataFormat, ControlFacts, known, number, rounded};
+use crate::describe::known::Known;
 use crate::describe::stated::TravelRange;
 use crate::machine::Branch;
 use ncfix_base::geometry::Axis;
@@ -16,6 +17,8 @@ pub(super) const FORMAT: ControlDataFormat = ControlDataFormat { name: "Sinumeri
 
 /// Degrees of one turn: MD32000 of a rotary axis is in turns a minute.
 const TURN_DEG: f64 = 360.0;
+/// Machine axes of an 840D sl.
+const MACHINE_AXES: u32 = 31;
 /// Offsets below this are zero, mm or degrees.
 const ZERO: f64 = 1e-9;
 
@@ -46,6 +49,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     }
     facts.control = Some(known("sinumerik".to_owned(), (name, 1), "machine data of a Sinumerik"));
     let letters = letters(&values);
+    facts.axis_numbers = axis_numbers(name, &values, &letters);
     let mut unnamed = BTreeSet::new();
     for ((key, index), (value, line)) in &values {
         let Some(axis_index) = key.starts_with("$MA_").then(|| index.rsplit(',').next()).flatten() else { continue };
@@ -97,6 +101,22 @@ fn reset_words(name: &str, values: &Values<'_>, facts: &mut ControlFacts) {
     }
 }
 
+/// Axes by their numbers at the control; `None` if the text does not name the machine axes.
+fn axis_numbers(
+    name: &str,
+    values: &Values<'_>,
+    letters: &BTreeMap<String, Axis>,
+) -> Option<Known<BTreeMap<usize, Axis>>> {
+    let named = values.iter().find(|((key, _), _)| key == "$MN_AXCONF_MACHAX_NAME_TAB");
+    let (_, (_, line)) = named?;
+    let number = |index: &String| index.strip_prefix("AX").and_then(|digits| digits.parse().ok());
+    let numbers = letters
+        .iter()
+        .filter_map(|(index, axis)| Some((number(index).filter(|n| *n <= MACHINE_AXES as usize)?, *axis)));
+    let numbers = numbers.collect();
+    Some(known(numbers, (name, *line), "MD10000"))
+}
+
 /// Axes by the indices of their machine data: `AX1`, and the name of the machine axis.
 fn letters(values: &Values<'_>) -> BTreeMap<String, Axis> {
     let mut out = BTreeMap::new();
@@ -107,6 +127,7 @@ fn letters(values: &Values<'_>) -> BTreeMap<String, Axis> {
     for ((key, index), (value, _)) in values {
         if key == "$MN_AXCONF_MACHAX_NAME_TAB"
             && let (Ok(place), Some(axis)) = (index.parse::<u32>(), letter(value))
+            && place < MACHINE_AXES
         {
             out.insert(format!("AX{}", place + 1), axis);
             out.insert(value.to_ascii_uppercase(), axis);
@@ -321,8 +342,9 @@ impl Geometry<'_> {
         facts.rotary_origin = format!("{name}:{line}");
         if closing.iter().any(|part| part.abs() > ZERO) {
             let [x, y, z] = closing;
+            facts.zero_shift_mm = Some(known(closing, place, remark));
             facts.notes.push(format!(
-                "{name}:{line} the chain is not closed: TRAORI shifts the zero of the workpiece by ({x}, {y}, {z}) mm; add this to the zero offset"
+                "{name}:{line} the chain is not closed: TRAORI shifts the zero of the workpiece by ({x}, {y}, {z}) mm; add this to the zero offsets of this file, and give no zero offsets of the control with --setup"
             ));
         }
         Ok(())

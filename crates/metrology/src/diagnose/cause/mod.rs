@@ -10,7 +10,7 @@
 mod backlash;
 pub(in crate::diagnose) mod circle;
 pub(in crate::diagnose) mod common_scale;
-mod cross;
+pub(in crate::diagnose) mod cross;
 pub(in crate::diagnose) mod drift;
 pub(in crate::diagnose) mod earlier;
 mod load;
@@ -22,6 +22,7 @@ pub(in crate::diagnose) mod servo;
 pub(in crate::diagnose) mod setup;
 mod spike;
 mod spindle;
+mod stand;
 pub(in crate::diagnose) mod targets;
 pub(in crate::diagnose) mod thermal;
 mod threshold;
@@ -202,6 +203,7 @@ pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &circle::LOBES,
     &load::GUIDE,
     &load::TABLE,
+    &stand::CAUSE,
     &setup::PLACE,
     &setup::TOOL,
     &setup::SCALE,

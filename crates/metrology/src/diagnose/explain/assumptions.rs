@@ -228,7 +228,7 @@ pub const ASSUMPTIONS: &[Assumption] = &[
         family: Family::Setup,
         size: Size::Um(20.0),
         odds: 0.01,
-        source: "stated lengths have a certificate; artifacts may have another temperature",
+        source: "assumed: stated lengths are calibrated; artifacts may have another temperature",
     },
     Assumption {
         family: Family::Sign,

@@ -64,14 +64,10 @@ pub struct Contest {
     pub ratios: Vec<f64>,
     /// Logarithm of the odds of each entrant.
     pub log_odds: Vec<f64>,
-    /// Entrants that the readings can show, without those with the same effect as another one.
-    pub visible: Vec<usize>,
     /// Score of each given start relative to that of the best set; minus infinity if one of its terms has no visible effect.
     pub behind: Vec<f64>,
     /// Autocorrelation of the noise; its length is in seconds if the readings have times, else in rows.
     pub memory: Memory,
-    /// True if the readings have times.
-    pub has_clock: bool,
 }
 
 /// Runs the comparison. `weights` are 1/σ of each reading, 0 for rejected ones. `starts` are sets of entrants from which the search starts, in
@@ -176,10 +172,8 @@ pub fn contest(
                     alike: likelihood.alike.clone(),
                     ratios: likelihood.ratios.clone(),
                     log_odds: Vec::new(),
-                    visible: likelihood.kept.clone(),
                     behind,
                     memory,
-                    has_clock: noise.has_clock,
                 };
                 let worth = worth - price(memory) - rarity(factor);
                 // The factor that is best for this set or for a given one.

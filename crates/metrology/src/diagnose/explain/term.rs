@@ -44,17 +44,10 @@ impl Term {
         Term { family, component, shape: shape.into(), size: family.size(travel_mm), share: 1.0, parent: None, weight }
     }
 
-    /// Returns the effect of one unit on every reading of a scene.
+    /// Its displayed name: `EC0X`, `EXX backlash`, `EYX X order 2`.
     #[must_use]
-    pub fn column(&self, scene: &Scene<'_>, factors: &[f64]) -> Vec<f64> {
-        let of =
-            |item: &crate::diagnose::scene::SceneReading| scene.row_of(item).map_or(0.0, |row| self.weight.of(row));
-        scene
-            .items
-            .iter()
-            .zip(factors)
-            .map(|(item, factor)| if *factor == 0.0 { 0.0 } else { factor * of(item) })
-            .collect()
+    pub fn name(&self) -> String {
+        format!("{} {}", self.component, self.shape).trim_end().to_owned()
     }
 
     /// Returns the path of its effect.
@@ -131,6 +124,10 @@ fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
         if let Some(axis) = name.axis() {
             let direction = name.direction;
             let family = match (axis.is_rotary(), direction.is_rotation()) {
+                // A turn of a linear axis about itself is the tilt of the rotary axis that it carries.
+                (false, true) if direction.index() % 3 == axis.dimension() && carries_rotary(scene, axis) => {
+                    Family::Tilt
+                }
                 (false, true) => Family::Squareness,
                 // An offset of a linear axis is the zero of its scale.
                 (false, false) => continue,
@@ -143,6 +140,16 @@ fn locations(scene: &Scene<'_>, out: &mut Vec<Term>) {
     for direction in DIRECTIONS {
         push(ErrorName::spindle(direction), if direction.is_rotation() { Family::Tilt } else { Family::Offset });
     }
+}
+
+/// True if the next axis of the chain, seen from the foundation, is rotary.
+fn carries_rotary(scene: &Scene<'_>, axis: Axis) -> bool {
+    let topology = &scene.machine.topology;
+    let next = |branch: &[Axis]| {
+        let place = branch.iter().position(|&own| own == axis)?;
+        branch.get(place + 1).copied()
+    };
+    next(&topology.workpiece).or_else(|| next(&topology.tool)).is_some_and(Axis::is_rotary)
 }
 
 fn shapes(scene: &Scene<'_>, axis: Axis, out: &mut Vec<Term>) {

@@ -325,13 +325,16 @@ fn component(candidate: &Candidate) -> Option<ErrorName> {
 fn doing(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     let mut out = vec![0.0; scene.items.len()];
     for (parts, amount) in one.candidate.columns.iter().zip(&one.amounts.values) {
+        let mut column = vec![0.0; scene.items.len()];
         for (through, weight) in parts {
-            for ((out, factor), item) in out.iter_mut().zip(scene.factors(*through)).zip(&scene.items) {
+            for ((value, factor), item) in column.iter_mut().zip(scene.factors(*through)).zip(&scene.items) {
                 if let Some(row) = scene.rows.get(item.row) {
-                    *out += factor * amount * weight.of(row);
+                    *value += factor * weight.of(row);
                 }
             }
         }
+        scene.add_along(&mut column, parts);
+        out.iter_mut().zip(&column).for_each(|(out, value)| *out += amount * value);
     }
     out
 }

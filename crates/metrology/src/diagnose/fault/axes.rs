@@ -3,13 +3,14 @@
 //! The check tests all permutations and signs of the reading columns, then those of the positions of the linear axes, each with its best set-ups. It
 //! reports a fault only if the given readings do not fit, another assignment fits to the noise, and the simplest such assignment is clear. The
 //! machine may have errors of its own. If no assignment fits without them, terms proportional to an axis, reversing with its direction or bending
-//! over it are allowed for all assignments alike.
+//! over it are allowed for all assignments alike. At the end, the assignment must need clearly fewer usual errors of the machine than the given one.
 
 use super::exchanged_positions::{self, Turned};
 use super::readings::{Allowance, WeighedReadings};
+use super::simplest::{Thresholds, needs_fewer};
 use super::single::{ROWS, by_one_cause, left, thinned};
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
-use crate::measure::data::DataSet;
+use crate::measure::data::{DataSet, Observation};
 use ncfix_base::units::um_from_mm;
 
 pub(super) const CHECK: DefectCheck = DefectCheck {
@@ -42,6 +43,7 @@ const SIZE: f64 = 2.0;
 const PLAUSIBLE_MM: f64 = 1.0;
 const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]];
 const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
+const POSITIONS: [&str; 3] = ["X", "Y", "Z"];
 /// A ball-bar has one column.
 const OF_ONE: [&str; 3] = ["dr_um", "", ""];
 
@@ -64,6 +66,15 @@ impl ColumnMeaning {
     /// Number of columns that differ from the given assignment.
     pub(super) fn moved(&self) -> usize {
         (0..3).map(|k| usize::from(self.permutation[k] != k) + usize::from(self.sign[k] < 0.0)).sum()
+    }
+
+    /// The measurement with the readings in these columns.
+    fn readings_of(&self, data: &DataSet) -> DataSet {
+        let mut out = data.clone();
+        for (to, from) in out.observations.iter_mut().zip(&data.observations) {
+            to.values = [0, 1, 2].map(|k| from.values[self.permutation[k]].map(|value| self.sign[k] * value));
+        }
+        out
     }
 
     /// Value of a column, from all three columns.
@@ -103,6 +114,8 @@ struct Left<'w> {
 
 /// An assignment that fits.
 struct SwappedAxes {
+    way: ColumnMeaning,
+    of_positions: bool,
     name: String,
     what: String,
     left: [f64; 2],
@@ -121,13 +134,15 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
         };
         if data.observations.iter().any(|one| one.component.is_some()) {
             for (number, name) in data.targets.iter().enumerate() {
-                if let Some(told) = component(view, &readings, number, noise) {
+                let is_clear = |told: &SwappedAxes| needs_fewer_reversed(view, data, number, told.limits(noise));
+                if let Some(told) = component(view, &readings, number, noise).filter(is_clear) {
                     add(DefectKind::Axes, name.clone(), told.what.clone(), told.evidence(noise));
                 }
             }
             continue;
         }
-        if let Some(told) = columns(view, data, &readings, noise).filter(|told| !is_one_cause(view, data, told)) {
+        let is_clear = |told: &SwappedAxes| !is_one_cause(view, data, told) && told.needs_fewer(view, data, noise);
+        if let Some(told) = columns(view, data, &readings, noise).filter(is_clear) {
             let evidence = told.evidence(noise);
             add(DefectKind::Axes, told.name, told.what, evidence);
             continue;
@@ -156,7 +171,32 @@ fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &SwappedAxes) -> bool
     single < factor * told.left[1]
 }
 
+/// True if the readings of a component need fewer errors of the machine with the opposite sign.
+fn needs_fewer_reversed(view: &View<'_, '_>, data: &DataSet, number: usize, limits: Thresholds) -> bool {
+    let mut other = data.clone();
+    let is_own = |row: &&mut Observation| row.component.is_some() && row.target == Some(number);
+    for row in other.observations.iter_mut().filter(is_own) {
+        row.values = row.values.map(|value| value.map(|value| -value));
+    }
+    needs_fewer(view.scene.machine, &view.scene.errors, [data, &other], limits)
+}
+
 impl SwappedAxes {
+    fn limits(&self, noise: f64) -> Thresholds {
+        Thresholds { fits: CLEAN * noise, tie: TIE, worse: WORSE }
+    }
+
+    /// True if the readings need clearly fewer errors of the machine with this assignment.
+    fn needs_fewer(&self, view: &View<'_, '_>, data: &DataSet, noise: f64) -> bool {
+        let others = if self.of_positions {
+            exchanged_positions::read_in(data, &self.way)
+        } else {
+            vec![self.way.readings_of(data)]
+        };
+        let (machine, errors) = (view.scene.machine, &view.scene.errors);
+        others.iter().any(|other| needs_fewer(machine, errors, [data, other], self.limits(noise)))
+    }
+
     fn evidence(&self, noise: f64) -> String {
         let [as_is, otherwise] = self.left.map(|left| (left / noise).sqrt());
         let beside = match self.beside {
@@ -185,7 +225,9 @@ fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noi
             return None;
         }
         if left[1] < FITS * noise {
-            let told = SwappedAxes { name: String::new(), what: "reversed".into(), left, beside };
+            let way = ColumnMeaning { permutation: PERMUTATIONS[0], sign: [-1.0; 3] };
+            let told =
+                SwappedAxes { way, of_positions: false, name: String::new(), what: "reversed".into(), left, beside };
             return (left[0] > WORSE * left[1]).then_some(told);
         }
     }
@@ -218,7 +260,7 @@ fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, nois
         // Each assignment of the positions needs its own prediction, from fewer rows.
         let turned = turned.get_or_insert_with(|| exchanged_positions::turned(view.scene, data));
         let of_positions = std::iter::once(as_is).chain(turned.left.iter().map(|left| left[beside as usize])).collect();
-        let of_positions = Left { ways: &turned.ways, left: of_positions, columns: ["X", "Y", "Z"], beside };
+        let of_positions = Left { ways: &turned.ways, left: of_positions, columns: POSITIONS, beside };
         for left in [&left, &of_positions] {
             if let Some(own) =
                 left.told(noise, FITS).filter(|own| told.as_ref().is_none_or(|told| own.left[1] < told.left[1]))
@@ -271,6 +313,7 @@ impl Left<'_> {
         for (other, how) in simple.map(|(way, _)| way.words(self.columns)) {
             what.push_str(&format!(", or {other} {how}"));
         }
-        Some(SwappedAxes { name, what, left: [as_is, *left], beside: self.beside })
+        let of_positions = self.columns == POSITIONS;
+        Some(SwappedAxes { way: *way, of_positions, name, what, left: [as_is, *left], beside: self.beside })
     }
 }

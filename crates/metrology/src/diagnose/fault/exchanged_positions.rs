@@ -54,6 +54,12 @@ pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     out
 }
 
+/// The measurement with its positions in other columns; the directions may have columns of their own, or follow from the positions.
+pub(super) fn read_in(data: &DataSet, way: &ColumnMeaning) -> Vec<DataSet> {
+    let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
+    [false, true].into_iter().filter_map(|with_senses| read_by(data, way, &linear, with_senses)).collect()
+}
+
 fn read_by(data: &DataSet, way: &ColumnMeaning, linear: &[Axis], with_senses: bool) -> Option<DataSet> {
     let mut out = data.clone();
     for (to, from) in out.observations.iter_mut().zip(&data.observations) {

@@ -1,7 +1,6 @@
 //! Readings with display steps that are large relative to the noise: no error of the machine, but more noise than the instrument has.
 
-use crate::diagnose::scene::Scene;
-use crate::measure::data::DataSet;
+use crate::measure::display;
 
 use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
@@ -13,21 +12,8 @@ pub(super) const CHECK: DefectCheck = DefectCheck {
     look,
 };
 
-/// Finest step, mm; for angles a thousandth of it, rad.
-const FINEST: f64 = 1e-7;
 /// Smallest large step, in standard uncertainties.
 const WIDE: f64 = 0.8;
-/// Minimum number of readings.
-const COUNT: usize = 20;
-
-/// RMS noise from the display steps in the readings of a scene, mm or rad: the noise is not less than this.
-pub(in crate::diagnose) fn least_noise(scene: &Scene<'_>, is_angle: bool) -> f64 {
-    let of = |data: &DataSet| {
-        let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
-        display_noise(&values, is_angle)
-    };
-    scene.sets.iter().map(of).fold(0.0, f64::max)
-}
 
 fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
@@ -40,9 +26,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             continue;
         }
         let (sigma, is_angle) = (first.sigma, first.is_angle);
-        let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
         let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
-        let Some(step) = step(&values, finest).filter(|step| *step > WIDE * sigma) else { continue };
+        let Some(step) = display::step(&values, is_angle).filter(|step| *step > WIDE * sigma) else { continue };
         let stated = if is_angle { data.sigma_rad } else { data.sigma }.is_some();
         let (micro, unit) = if is_angle { (1e6, "µrad") } else { (1e3, "µm") };
         out.push(DataDefect {
@@ -64,36 +49,4 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
             then: Then::MoreNoise(step / 12.0_f64.sqrt()),
         });
     }
-}
-
-/// RMS noise from the display steps of values, mm or rad: half a step on either side is one value.
-pub(super) fn display_noise(values: &[f64], is_angle: bool) -> f64 {
-    step(values, if is_angle { FINEST * 1e-3 } else { FINEST }).unwrap_or(0.0) / 12.0_f64.sqrt()
-}
-
-/// The largest step that divides all values; `None` if it is not much larger than the finest.
-fn step(values: &[f64], finest: f64) -> Option<f64> {
-    /// Largest number of finest steps in a value.
-    const MOST: f64 = 1e12;
-    if values.len() < COUNT {
-        return None;
-    }
-    let mut common = 0_u64;
-    let mut kinds = std::collections::BTreeSet::new();
-    for value in values {
-        let steps = (value / finest).abs();
-        if !(steps < MOST && (steps - steps.round()).abs() < 0.02) {
-            return None;
-        }
-        let mut other = steps.round() as u64;
-        kinds.insert(other);
-        while other != 0 {
-            (common, other) = (other, common % other);
-        }
-        if common == 1 {
-            return None;
-        }
-    }
-    // For two numbers any step is possible.
-    (kinds.len() > 2).then_some(common as f64 * finest)
 }

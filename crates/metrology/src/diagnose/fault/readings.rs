@@ -166,8 +166,13 @@ impl WeighedReadings {
 
     /// Factor for the degrees of freedom that unknowns use.
     fn freedom(&self) -> f64 {
+        self.freedom_beside(0)
+    }
+
+    /// This factor with fitted terms in addition.
+    pub(super) fn freedom_beside(&self, terms: usize) -> f64 {
         let count = self.at.len() as f64;
-        count / (count - self.series.rank() as f64).max(1.0)
+        count / (count - (self.series.rank() + terms) as f64).max(1.0)
     }
 
     fn without_setups(&self, values: &[f64]) -> Vec<f64> {

@@ -6,9 +6,10 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use super::{median, quantised, spread};
+use super::{median, spread};
 use crate::diagnose::scene::{NO_ROW, Scene, SceneReading};
 use crate::measure::data::DataSet;
+use crate::measure::display;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Upright;
 
@@ -168,7 +169,7 @@ impl Trail {
             // display, nor than the scatter of the repetitions as far as the uncertainty of a reading explains it.
             let is_angle = places.first().is_some_and(|&place| items[place].0.is_angle);
             let repeats = spread(own.left.iter().copied()).min(own.sigma);
-            let least = quantised::display_noise(&raw, is_angle).max(repeats).max(1e-3 * own.sigma);
+            let least = display::noise(&raw, is_angle).max(repeats).max(1e-3 * own.sigma);
             own.noise = noise.unwrap_or(own.sigma).max(least);
             own.sum_up();
         }

@@ -209,6 +209,13 @@ fn effect(through: Through, terms: &[StatedTerm]) -> EffectKind {
     }
     let all: Option<Vec<Axis>> =
         terms.iter().flat_map(|term| &term.factors).map(|factor| position(factor).map(|(axis, ..)| axis)).collect();
+    // A displacement of the tool over one linear axis is a displacement of this axis, and no rarer than it.
+    if let (Through::Tip(_), Some([first, others @ ..])) = (through, all.as_deref())
+        && !first.is_rotary()
+        && others.iter().all(|other| other == first)
+    {
+        return EffectKind::Motion;
+    }
     let Some((all, own)) = all.zip(axis.filter(|_| !is_location)) else { return EffectKind::Unknown };
     let mut others: Vec<Axis> = all.iter().copied().filter(|other| *other != own).collect();
     others.sort_unstable();

@@ -267,7 +267,13 @@ impl<'t> Reader<'t, '_> {
         let found = EFFECTS.into_iter().find(|effect| effect.to_string() == word);
         if found.is_none() {
             let known: Vec<String> = EFFECTS.iter().map(ToString::to_string).collect();
-            let help = format!("{EXAMPLES}; separate several parameters by commas; causes are {}", known.join(", "));
+            let capital = word.to_uppercase();
+            let help = match capital.parse::<ErrorName>() {
+                Ok(_) => format!("names have capital letters: write {capital}"),
+                Err(_) => {
+                    format!("{EXAMPLES}; separate several parameters by commas; causes are {}", known.join(", "))
+                }
+            };
             self.fault(span, format!("'{word}' is neither an error nor a cause"), help);
         }
         found
@@ -292,7 +298,11 @@ impl<'t> Reader<'t, '_> {
             }
             (Err(_), Some(direction)) => Some(Through::Tip(direction)),
             (Err(_), None) => {
-                self.fault(span, format!("'{word}' is not an error component"), HELP);
+                let capital = word.to_uppercase();
+                let is_known = capital.parse::<ErrorName>().is_ok() || ["X", "Y", "Z"].contains(&capital.as_str());
+                let help =
+                    if is_known { format!("names have capital letters: write {capital}") } else { HELP.to_owned() };
+                self.fault(span, format!("'{word}' is not an error component"), help);
                 None
             }
         };
@@ -547,15 +557,18 @@ impl<'t> Reader<'t, '_> {
             known.sort_unstable();
             known.dedup();
             let columns = if known.is_empty() {
-                "the data have none".to_owned()
+                "the data have no columns of drivers, such as temperatures or feeds".to_owned()
             } else {
                 format!("known columns: {}", known.join(", "))
             };
-            self.fault(
-                span,
-                format!("'{word}' is neither an axis nor a column of the data"),
-                format!("name an axis or a column; {columns}"),
-            );
+            let capital = word.to_uppercase();
+            let is_axis = AXES.iter().any(|axis| capital.strip_suffix("_DIR").unwrap_or(&capital) == axis.to_string());
+            let help = if is_axis {
+                format!("axes have capital letters: write {}", capital.replace("_DIR", "_dir"))
+            } else {
+                format!("name an axis or a column; {columns}")
+            };
+            self.fault(span, format!("'{word}' is neither an axis nor a column of the data"), help);
         }
         let is_temperature = word.starts_with("T_") && word.ends_with("_C");
         let name: Arc<str> = word.into();

@@ -7,6 +7,8 @@
 //! build      candidates: the effect of each term on the readings of a scene
 //! subject    the candidate of a hypothesis, and the amounts of its terms
 //! overlap    accepted causes that share its effect on the readings
+//! variant    names of the variants of a cause
+//! contested  accepted causes that a hypothesis contests
 //! model      stated terms as parts of a fitted model
 //! trial      amount, evidence, gain on left-out readings, other explanations, possible correction
 //! ```
@@ -14,6 +16,7 @@
 //! `docs/reference/terms.md` describes the grammar.
 
 mod build;
+mod contested;
 mod form;
 mod grammar;
 mod model;
@@ -23,8 +26,9 @@ mod subject;
 mod tests;
 mod token;
 mod trial;
+mod variant;
 
 pub use form::{StatedHypothesis, TermAmount};
 pub use grammar::{read, read_options};
-pub use model::{ModelTerm, TermRefusal, stated_model};
+pub use model::{ModelTerm, StatedModel, TermRefusal, stated_model};
 pub use trial::{EqualExplanation, HypothesisTrial, STRONG, StatedSet, StatedTrials, diagnose_stated};

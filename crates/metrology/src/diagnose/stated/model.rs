@@ -9,6 +9,7 @@ use super::super::size::EXPANDED;
 use super::super::verdict::{AcceptedCause, Settled, propose};
 use super::form::{StatedContent, StatedHypothesis, TermAmount};
 use super::subject::{amounts, enter, subject};
+use super::variant::variant;
 use ncfix_machine::machine::State;
 use ncfix_model::ParameterName;
 use ncfix_model::parameter::ComponentTerm;
@@ -31,13 +32,21 @@ pub enum TermRefusal {
     NotStorable(String),
 }
 
-/// The terms as parts of the model, each with the reason if it cannot be fitted; and the factors by which those that become shapes of the file enlarge the
-/// uncertainties of the parameters.
-pub(super) type StatedModel = (Vec<Result<ModelTerm, TermRefusal>>, Vec<(ParameterName, f64)>);
+/// Stated terms as parts of a model.
+#[derive(Clone, Debug, Default)]
+pub struct StatedModel {
+    /// Each term, or the reason why it cannot be fitted.
+    pub terms: Vec<Result<ModelTerm, TermRefusal>>,
+    /// The factors by which the terms that become shapes of the file enlarge the uncertainties of the parameters.
+    pub growth: Vec<(ParameterName, f64)>,
+    /// Ratio of the residual to the scatter of repeated readings, if the model surely lacks an error.
+    pub lack: Option<f64>,
+}
 
 /// Fits stated terms to all readings of a scene, together with the parameters `beside` of a model; `bare` contains the readings without any model.
-/// Returns for each term its part of the model, or the reason why it cannot be fitted; and the factors by which the terms that become shapes of the file
-/// enlarge the uncertainties of the parameters.
+///
+/// The amounts are those of least squares, as of a parameter, and do not depend on the order of the rows. An error that the model lacks would pass for
+/// autocorrelated noise, and change them with the order.
 #[must_use]
 pub fn stated_model(
     stated: &[StatedHypothesis],
@@ -54,9 +63,12 @@ pub fn stated_model(
         beside.iter().map(|&name| (taken(enter(&mut field, of_parameter(name))), 0.0)).collect();
     let mut subjects = Vec::new();
     // The noise of the measurements is determined with all terms fitted.
+    let known = field.candidates.len();
     for is_last in [false, true] {
+        field.candidates.truncate(known);
         let mut outcome = Settled::open(&mut field, [&own, &held_out], (causes, bare, used));
-        subjects = stated.iter().map(|one| subject(one, &mut outcome)).collect();
+        let beside: Vec<usize> = kept.iter().map(|(one, _)| one.candidate).collect();
+        subjects = stated.iter().map(|one| subject(one, &mut outcome, &beside)).collect();
         if is_last {
             break;
         }
@@ -66,6 +78,7 @@ pub fn stated_model(
         even_out(scene, &mut own, &left);
     }
     kept.extend(subjects.iter().flatten().map(|one| (taken(one.number), 0.0)));
+    own.series = (0..own.items.len()).collect();
     let found = Settled::open(&mut field, [&own, &held_out], (causes, bare, used)).verdict_of(&kept);
     let key = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(_, weight)| weight.key());
     let of = |one: Result<super::subject::StatedSubject, String>| {
@@ -79,8 +92,9 @@ pub fn stated_model(
         let accepted = found.findings.iter().find(is_own);
         let accepted = accepted.ok_or_else(|| lost("the readings do not determine its size"))?;
         let changes = extend::of_stated(accepted, scene, used).map_err(TermRefusal::NotStorable)?;
-        let name = format!("{} {}", candidate.cause.effect, candidate.parameter);
-        let mut amounts = amounts(name.trim_end(), &one, accepted);
+        let of_variant =
+            variant(candidate).filter(|_| one.variants > 1).map_or_else(String::new, |own| format!(": {own}"));
+        let mut amounts = amounts(&(candidate.title() + &of_variant), &one, accepted);
         let all: Vec<usize> = kept.iter().map(|(one, _)| one.candidate).collect();
         if let Some(share) = uncorrelated(&field, &own, one.number, &all, accepted) {
             amounts.iter_mut().for_each(|amount| amount.sigma = amount.u95 / EXPANDED * share);
@@ -94,11 +108,13 @@ pub fn stated_model(
         out.iter().zip(numbers).filter(|(one, _)| is_shape(one)).filter_map(|(_, number)| number).collect();
     let parameters: Vec<usize> = kept.iter().take(beside.len()).map(|(one, _)| one.candidate).collect();
     let growth = beside.iter().zip(growth(&field, &own, &parameters, &shapes));
-    (out, growth.map(|(&name, factor)| (name, factor)).collect())
+    let growth = growth.map(|(&name, factor)| (name, factor)).collect();
+    let all: Vec<usize> = kept.iter().map(|(one, _)| one.candidate).collect();
+    StatedModel { terms: out, growth, lack: field.lack_of_fit(&own, &all) }
 }
 
-/// Standard uncertainty of the size of a term for uncorrelated readings, as a share of the one that includes their autocorrelation and other explanations:
-/// that of a parameter in the same fit does not include them either. At most 1; `None` if the readings do not determine the size.
+/// Standard uncertainty of the size of a term for uncorrelated readings, as a share of the one that includes other explanations: that of a parameter in the
+/// same fit does not include them either. Where the residual repeats at the poses, it grows. `None` if the readings do not determine the size.
 fn uncorrelated(
     field: &Field<'_, '_>,
     own: &Weights,
@@ -119,7 +135,8 @@ fn uncorrelated(
     let amount = accepted.amounts.values.first().copied().filter(|amount| *amount != 0.0)?;
     let with = accepted.size.u95 / EXPANDED / accepted.size.value.abs() * amount.abs();
     let with = with.max(accepted.amounts.u95(0) / EXPANDED);
-    Some((sigma / with).min(1.0)).filter(|share| share.is_finite() && *share > 0.0)
+    let growth = field.growth_by_poses(own, all, &others, number).sqrt();
+    Some((sigma / with).min(1.0) * growth).filter(|share| share.is_finite() && *share > 0.0)
 }
 
 /// Factors of the standard uncertainties of parameters if shapes are fitted together with them: of each column, less remains beside all others.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::super::cause::cross::curved;
 use super::super::cause::{Candidate, EffectKind};
 use super::super::entrant::group;
 use super::super::explain::contest::evidences;
@@ -33,8 +34,13 @@ pub(super) struct StatedSubject {
     pub(super) overlap: Overlap,
 }
 
-/// The candidate of a hypothesis, or the reason why these readings have none.
-pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>) -> Result<StatedSubject, String> {
+/// The candidate of a hypothesis, or the reason why these readings have none. `beside` are the candidates of a model in addition to which the best variant of
+/// a named cause is selected.
+pub(super) fn subject(
+    one: &StatedHypothesis,
+    outcome: &mut Settled<'_, '_, '_>,
+    beside: &[usize],
+) -> Result<StatedSubject, String> {
     let scene = outcome.field.scene;
     let (number, units, variants) = match &one.statement {
         StatedContent::Sum(through, terms) => {
@@ -46,7 +52,10 @@ pub(super) fn subject(one: &StatedHypothesis, outcome: &mut Settled<'_, '_, '_>)
             (enter(outcome.field, candidate), Vec::new(), 1)
         }
         StatedContent::Named(effect, parameter) => {
-            let (number, variants) = named(outcome, *effect, parameter)?;
+            for curved in curved(scene, *effect, parameter) {
+                enter(outcome.field, curved);
+            }
+            let (number, variants) = named(outcome, *effect, parameter, beside)?;
             (number, Vec::new(), variants)
         }
     };
@@ -63,7 +72,12 @@ pub(super) fn enter(field: &mut Field<'_, '_>, candidate: Candidate) -> usize {
 
 /// The best variant of a cause, and the number of variants: an accepted one if there is one, else the one with the best score by its gain and number
 /// of columns.
-fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> Result<(usize, usize), String> {
+fn named(
+    outcome: &Settled<'_, '_, '_>,
+    effect: EffectKind,
+    parameter: &str,
+    beside: &[usize],
+) -> Result<(usize, usize), String> {
     let field = &*outcome.field;
     let is_one = |number: &usize| {
         field.candidates.get(*number).is_some_and(|one| one.cause.effect == effect && one.parameter == parameter)
@@ -85,7 +99,7 @@ fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> 
     if let Some((taken, _)) = outcome.kept.iter().find(|(taken, _)| all.contains(&taken.candidate)) {
         return Ok((taken.candidate, all.len()));
     }
-    let series = field.series(outcome.weights, &[], 0.0);
+    let series = field.series(outcome.weights, beside, 0.0);
     let count = (series.count() as f64).max(2.0);
     // By the criterion of Schwarz (1978).
     let worth = |number: usize| {
@@ -97,9 +111,14 @@ fn named(outcome: &Settled<'_, '_, '_>, effect: EffectKind, parameter: &str) -> 
     order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     order.truncate(VARIANTS);
     let some: Vec<usize> = order.iter().map(|(_, number)| *number).collect();
-    let groups: Vec<_> =
-        some.iter().filter_map(|&number| field.candidates.get(number)).map(|one| group(field, one)).collect();
-    let sets: Vec<Vec<usize>> = (0..groups.len()).map(|k| vec![k]).collect();
+    let groups: Vec<_> = beside
+        .iter()
+        .chain(&some)
+        .filter_map(|&number| field.candidates.get(number))
+        .map(|one| group(field, one))
+        .collect();
+    let with = |k: usize| (0..beside.len()).chain([k]).collect();
+    let sets: Vec<Vec<usize>> = (beside.len()..groups.len()).map(with).collect();
     let found = evidences(field.scene, &outcome.weights.items, &groups, &sets);
     let best = some.iter().zip(found).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(number, _)| *number);
     best.map(|number| (number, all.len())).ok_or_else(|| format!("{effect} {parameter} has no form here"))
@@ -157,7 +176,16 @@ fn visible(outcome: &Settled<'_, '_, '_>, number: usize, has_terms: bool, units:
         let nothing = columns.iter().position(|column| squares(column) <= ROUNDING * response);
         if let Some(place) = nothing {
             let own = units.iter().rev().find(|unit| unit.column <= place);
+            let other = own.map(|unit| if place == unit.column { place + 1 } else { unit.column });
+            let is_constant =
+                other.and_then(|other| Some(*of_setups.get(other)? <= OWN * squares(columns.get(other)?)));
             return Err(match own {
+                Some(unit) if unit.is_wave && is_constant == Some(true) => {
+                    format!(
+                        "the positions are whole periods of {} apart, so it has the same value at all of them",
+                        unit.term
+                    )
+                }
                 Some(unit) if unit.is_wave => {
                     format!("the positions are half a period apart, so half of the wave {} is not measured", unit.term)
                 }

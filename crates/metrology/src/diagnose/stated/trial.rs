@@ -5,7 +5,7 @@
 //! logarithm. Both sides use the autocorrelation of the noise of the best set of terms that is compared. So slow noise is no evidence, nor is a
 //! cause that is left out on both sides. The evidence contains no odds: those are for the user who states the hypothesis.
 
-use super::super::cause::{Candidate, Causes, Correctable};
+use super::super::cause::{Candidate, Causes, Correctable, Term};
 use super::super::class::class;
 use super::super::entrant::{group, is_slope};
 use super::super::explain::contest::evidences;
@@ -18,8 +18,10 @@ use super::super::scene::Scene;
 use super::super::search::Taken;
 use super::super::shape::{Driver, driver};
 use super::super::verdict::{AcceptedCause, DiagnosedCauses, Settled, diagnose_then};
+use super::contested::{self, ContestedFinding, contested, key};
 use super::form::{StatedHypothesis, TermAmount};
-use super::subject::{StatedSubject, amounts, subject};
+use super::subject::{StatedSubject, amounts, enter, subject};
+use super::variant::variant;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::both;
 
@@ -53,6 +55,8 @@ pub struct HypothesisTrial {
     pub evidence_beside: f64,
     /// Names of the accepted causes that were included in the test.
     pub beside: Vec<String>,
+    /// Parameters of the machine file of these causes: a calibration needs them beside the hypothesis.
+    pub beside_parameters: Vec<String>,
     /// Names of the accepted causes with the same effect on the readings, which it replaces in the test.
     pub stands_for: Vec<String>,
     /// Natural logarithm of the evidence of all these causes together in its place, minus its own; `None` without such causes.
@@ -73,12 +77,33 @@ pub struct HypothesisTrial {
     pub probability: Option<f64>,
     /// Number of variants of a named cause from which the best was selected.
     pub variants: usize,
+    /// The words that distinguish the selected variant from the others; `None` for a single one.
+    pub variant: Option<String>,
+    /// True if the machine file has an entry for it, so that a calibration can fit and write it.
+    pub is_storable: bool,
     /// Its drivers by row of the scene.
     pub drivers: Vec<Driver>,
     /// Residual of each reading without it and with it, in the order of [`Scene::items`], mm or rad.
     pub without: Vec<f64>,
     /// See [`HypothesisTrial::without`].
     pub with: Vec<f64>,
+}
+
+impl HypothesisTrial {
+    /// True if an amount exceeds its uncertainty. The terms of a sum may be certain only together. The likelihood of a wrong noise may favor a term that the
+    /// readings do not show otherwise.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        self.amounts.iter().any(|amount| amount.value.abs() > amount.u95)
+            || (self.amounts.len() != 1 && self.gain.is_some_and(|gain| gain > 0.0))
+    }
+
+    /// True if the readings support it, and the findings that it replaced are not surely better.
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
+        let is_outdone = self.evidence_of_findings.is_some_and(|better| better >= STRONG);
+        self.why_not_shown.is_none() && self.evidence_beside >= STRONG && !is_outdone && self.is_seen()
+    }
 }
 
 /// Another explanation instead of a hypothesis.
@@ -117,35 +142,49 @@ pub fn diagnose_stated(
     (bare, used): (&Scene<'_>, usize),
     note: &mut dyn FnMut(&str, f64),
 ) -> (DiagnosedCauses, StatedTrials) {
-    let mut trials = StatedTrials::default();
-    let found = diagnose_then(causes, scene, (bare, used), note, &mut |outcome, note| {
+    let (mut trials, mut contested) = (StatedTrials::default(), Vec::new());
+    let mut found = diagnose_then(causes, scene, (bare, used), note, &mut |outcome, note| {
         if !stated.is_empty() {
-            trials = of_all(stated, outcome, note);
+            (trials, contested) = of_all(stated, outcome, note);
         }
     });
+    contested::share(&contested, &mut found);
     (found, trials)
 }
 
+/// The outcome for all hypotheses, and the findings that they contest.
 fn of_all(
     stated: &[StatedHypothesis],
     mut outcome: Settled<'_, '_, '_>,
     note: &mut dyn FnMut(&str, f64),
-) -> StatedTrials {
+) -> (StatedTrials, Vec<ContestedFinding>) {
     let mut trials: Vec<HypothesisTrial> = Vec::new();
     let mut subjects: Vec<(usize, StatedSubject)> = Vec::new();
+    let mut contested = Vec::new();
+    // Each hypothesis is tested without the candidates of the others.
+    let known = outcome.field.candidates.len();
+    let mut own: Vec<Option<Candidate>> = Vec::new();
     for (place, one) in stated.iter().enumerate() {
         note("hypotheses", place as f64 / stated.len().max(1) as f64);
         let mut trial = HypothesisTrial { text: one.text.clone(), ..HypothesisTrial::default() };
-        match subject(one, &mut outcome) {
+        match subject(one, &mut outcome, &[]) {
             Ok(subject) => {
-                judge(&mut trial, &subject, &outcome, note);
+                contested.extend(judge(&mut trial, &subject, &outcome, note));
                 if trial.why_not_shown.is_none() {
+                    let is_new = subject.number >= known;
+                    own.push(outcome.field.candidates.get(subject.number).filter(|_| is_new).cloned());
                     subjects.push((place, subject));
                 }
             }
             Err(why) => trial.why_not_shown = Some(why),
         }
+        outcome.field.candidates.truncate(known);
         trials.push(trial);
+    }
+    for ((_, subject), own) in subjects.iter_mut().zip(own) {
+        if let Some(own) = own {
+            subject.number = enter(outcome.field, own);
+        }
     }
     let sets = combinations(&subjects, &outcome);
     for (place, _) in &subjects {
@@ -155,7 +194,7 @@ fn of_all(
             trial.probability = Some(own.fold(0.0, |sum, one| sum + one).min(1.0));
         }
     }
-    StatedTrials { trials, sets }
+    (StatedTrials { trials, sets }, contested)
 }
 
 /// Velocity of an axis by row, mm/s or rad/s; `None` if the driver is not a velocity.
@@ -176,10 +215,10 @@ fn judge(
     subject: &StatedSubject,
     outcome: &Settled<'_, '_, '_>,
     note: &mut dyn FnMut(&str, f64),
-) {
+) -> Vec<ContestedFinding> {
     let field = &*outcome.field;
     let (scene, weights) = (field.scene, outcome.weights);
-    let Some(one) = field.candidates.get(subject.number) else { return };
+    let Some(one) = field.candidates.get(subject.number) else { return Vec::new() };
     let named = |number: usize| field.candidates.get(number).map_or_else(String::new, name_of);
     let is_beside = |place: &usize| !subject.overlap.stand_ins.contains(place);
     let kept = || outcome.kept.iter().enumerate();
@@ -191,6 +230,7 @@ fn judge(
         kept().filter(|(place, _)| !is_beside(place)).map(|(_, (taken, _))| taken.candidate).collect();
     trial.name = name_of(one);
     trial.variants = subject.variants;
+    trial.variant = variant(one).filter(|_| subject.variants > 1);
     // A slope and a curve of one error have one name.
     let apart = |numbers: &[usize], others: &[usize]| -> Vec<String> {
         let of = |&number: &usize| {
@@ -202,6 +242,12 @@ fn judge(
         numbers.iter().map(of).collect()
     };
     trial.beside = apart(&beside, &replaced);
+    let of_file = |one: &Candidate| match &one.term {
+        Term::Parameters(names) => names.iter().map(ToString::to_string).collect(),
+        _ => Vec::new(),
+    };
+    trial.beside_parameters =
+        beside.iter().filter_map(|&number| field.candidates.get(number)).flat_map(of_file).collect();
     trial.stands_for = apart(&replaced, &beside);
     trial.drivers = one.drivers.iter().filter_map(|name| driver(scene, name).or_else(|| speed(scene, name))).collect();
     let with: Vec<usize> = beside.iter().copied().chain([subject.number]).collect();
@@ -223,12 +269,15 @@ fn judge(
     let taken = Taken { candidate: subject.number, chance: 0.0 };
     let all: Vec<(Taken, f64)> = others.iter().cloned().chain([(taken, trial.gain.unwrap_or(0.0))]).collect();
     let found = outcome.verdict_of(&all);
-    let key = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(_, weight)| weight.key());
+    let mut out = Vec::new();
     if let Some(accepted) = found.findings.iter().find(|own| key(&own.candidate) == key(one)) {
         trial.rms = accepted.rms;
         trial.alone = accepted.alone;
         trial.amounts = amounts(&trial.name, subject, accepted);
         trial.separate_by = accepted.separate_by.clone().filter(|_| !trial.rivals.is_empty());
+        if let Some(better) = trial.evidence_of_findings.filter(|_| trial.is_supported()) {
+            out = contested((&trial.text, better), outcome, (one, accepted), (&beside, &replaced));
+        }
         // Against its absence, at even odds; its rivals are a matter of the extrapolation risk.
         let probability = 1.0 / (1.0 + (-trial.evidence_beside).exp());
         let accepted = &AcceptedCause { probability: Some(probability.min(accepted.nature_share)), ..accepted.clone() };
@@ -253,9 +302,14 @@ fn judge(
             (Ok(_), Correctable::No) => Correctable::Program,
             (Ok(_), own) => own,
         };
+        // An amount that needs another one needs a calibration of both.
+        let is_needed = subject.overlap.added().next().is_some();
+        let is_storable = || extend::of_stated(accepted, scene, outcome.used).is_ok();
+        trial.is_storable = changes.is_ok() || (is_needed && trial.evidence_beside > 0.0 && is_storable());
         trial.changes = Some(changes);
     }
     (trial.without, trial.with) = both(|| left_of(field, weights, &beside), || left_of(field, weights, &with));
+    out
 }
 
 /// Evidence alone, together with the accepted causes, and of other explanations in its place.

@@ -5,6 +5,7 @@
 
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Vector;
+use ncfix_base::units::mm_from_um;
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Kinematics, Machine};
 
@@ -40,6 +41,9 @@ pub(super) fn read_setup(section: &mut Section<'_>, measurand: Measurand, setup:
                     rods.len() - 1
                 }
             };
+            setup.length_sigma_mm = section
+                .number_where("length_sigma_um", "a number from 0 to 1000", |um| (0.0..=MOST_LENGTH_UM).contains(&um))
+                .map_or(0.0, mm_from_um);
             setup.expansion_per_k = expansion(section, "rod_expansion_per_K").unwrap_or(0.0);
             setup.temperature_c = temperature(section, "rod_temperature_C");
             if setup.temperature_c.is_some() && setup.expansion_per_k <= 0.0 {
@@ -74,14 +78,29 @@ pub(super) fn read_setup(section: &mut Section<'_>, measurand: Measurand, setup:
     }
 }
 
-/// Reads `[artefact]`.
-pub(super) fn read_artefact(section: &mut Section<'_>) -> Setup {
+/// Largest standard uncertainty of the scale of an instrument or artifact, µm/m, and of the length of a ball-bar, µm.
+const MOST_SCALE: f64 = 1000.0;
+const MOST_LENGTH_UM: f64 = 1000.0;
+/// Relative change per µm/m.
+pub(super) const PER_MILLION: f64 = 1e-6;
+/// An allowed standard uncertainty of a scale, in words.
+pub(super) const SCALE_SIGMA: &str = "a number from 0 to 1000";
+
+/// True if a standard uncertainty of a scale, µm/m, is allowed.
+pub(super) fn is_scale_sigma(um_per_m: f64) -> bool {
+    (0.0..=MOST_SCALE).contains(&um_per_m)
+}
+
+/// Reads `[artefact]`: its data, and the standard uncertainty of its scale, relative.
+pub(super) fn read_artefact(section: &mut Section<'_>) -> (Setup, f64) {
     let expansion_per_k = expansion(section, "expansion_per_K").unwrap_or(0.0);
     let temperature_c = temperature(section, "temperature_C");
     if temperature_c.is_some() && expansion_per_k <= 0.0 {
         lacks(section, "temperature_C", "expansion_per_K = 11.5e-6");
     }
-    Setup { expansion_per_k, temperature_c, origin_mm: section.vector("origin_mm"), ..Setup::default() }
+    let scale_sigma = section.number_where("sigma_um_per_m", SCALE_SIGMA, is_scale_sigma).unwrap_or(0.0);
+    let origin_mm = section.vector("origin_mm");
+    (Setup { expansion_per_k, temperature_c, origin_mm, ..Setup::default() }, scale_sigma * PER_MILLION)
 }
 
 fn expansion(section: &mut Section<'_>, key: &str) -> Option<f64> {
@@ -132,7 +151,7 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
     let lengths = |setup: &Setup| data.setups.iter().any(|other| other.rod == setup.rod && differs(other, setup));
     if data.kind.measurand == Measurand::BallDistance && data.setups.iter().any(lengths) {
         return Some((
-            "set-ups with the same rod differ in length_mm or rod_expansion_per_K",
+            "set-ups with the same rod differ in length_mm, length_sigma_um or rod_expansion_per_K",
             "give them the same values, or give each rod its own name",
         ));
     }
@@ -140,7 +159,9 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
 }
 
 fn differs(one: &Setup, other: &Setup) -> bool {
-    (one.length_mm - other.length_mm).abs() > 0.0 || (one.expansion_per_k - other.expansion_per_k).abs() > 0.0
+    (one.length_mm - other.length_mm).abs() > 0.0
+        || (one.length_sigma_mm - other.length_sigma_mm).abs() > 0.0
+        || (one.expansion_per_k - other.expansion_per_k).abs() > 0.0
 }
 
 /// Fills in the origins of the expansion of artifacts.

@@ -25,9 +25,9 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         section.finish(&mut findings);
     }
     let measurand = data.as_ref().map_or(Measurand::Other, |data: &DataSet| data.kind.measurand);
-    let mut artefact = Setup::default();
+    let (mut artefact, mut of_artefact) = (Setup::default(), 0.0);
     if let Some(mut section) = (measurand == Measurand::Displacement).then(|| root.section("artefact")).flatten() {
-        artefact = bodies::read_artefact(&mut section);
+        (artefact, of_artefact) = bodies::read_artefact(&mut section);
         section.finish(&mut findings);
     }
     let sensors = (measurand == Measurand::Displacement).then(|| root.section("sensors")).flatten();
@@ -67,6 +67,11 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         section.finish(&mut findings);
     }
     let fixed = root.section("position").map_or_else(Vec::new, |section| read_fixed(section, &mut findings));
+    let has_ranges = measurand == Measurand::Component;
+    let ranges = has_ranges
+        .then(|| root.section("range"))
+        .flatten()
+        .map_or_else(Vec::new, |section| read_ranges(section, &mut findings));
     let balls = has_balls
         .then(|| root.section("ball"))
         .flatten()
@@ -74,8 +79,10 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
+        data.scale_sigma = data.scale_sigma.max(of_artefact);
         data.balls = balls;
         data.fixed = fixed;
+        data.ranges = ranges;
         data.sensors = sensors;
         for (from, to, value_mm, sigma_mm) in lengths {
             let between = [from, to].map(|label| number_of(&mut data.targets, &label));
@@ -100,6 +107,25 @@ fn read_fixed(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(
     }
     section.finish(findings);
     fixed
+}
+
+/// `X_mm = [100, 500]`: ranges of linear axes over which a squareness was measured.
+fn read_ranges(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(Axis, [f64; 2])> {
+    let mut ranges = Vec::new();
+    for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
+        let key = format!("{axis}_mm");
+        match section.numbers(&key).as_deref() {
+            None => {}
+            Some(&[low, high]) if low < high => ranges.push((axis, [low, high])),
+            Some(_) => {
+                let place = section.place_of(&key);
+                let message = format!("{key} must be the lowest and the highest position");
+                section.report(Code::BAD_VALUE, place, message, format!("write {key} = [100, 500], for example"));
+            }
+        }
+    }
+    section.finish(findings);
+    ranges
 }
 
 fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(String, Vector)> {
@@ -145,12 +171,23 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     });
     let sigma = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
     let sigma_rad = section.number_where("sigma_urad", "a number above 0", |urad| urad > 0.0).map(rad_from_urad);
+    let scale_sigma = section.number_where("sigma_um_per_m", bodies::SCALE_SIGMA, bodies::is_scale_sigma);
     let free = section.texts("free");
     let date = section.date("date").map(str::to_owned);
     let head = section.text("head").map(str::to_owned);
     let is_in_order = choice(section, "order", ["motion", "unknown"]) != Some(1);
     let is_unit_stated = choice(section, "unit", ["stated", "assumed"]) == Some(0);
     let kind = kind?;
+    if scale_sigma.is_some() && !matches!(kind.measurand, Measurand::Component | Measurand::LineLength) {
+        let place = section.place_of("sigma_um_per_m");
+        let help = match kind.measurand {
+            Measurand::BallDistance => "write length_sigma_um in [setup.NAME]",
+            Measurand::Displacement => "write sigma_um_per_m in [artefact]",
+            _ => "write sigma_um in [[length]]",
+        };
+        section.report(Code::BAD_VALUE, place, format!("a {} measurement has no scale of its own", kind.name), help);
+    }
+    let scale_sigma = scale_sigma.unwrap_or(0.0) * bodies::PER_MILLION;
     // Only an alignment that may be an unknown has a reference.
     let alignment = [Free::Slope, Free::Rotation].into_iter().find(|free| kind.free.contains(free));
     let reference = alignment.and_then(|_| choice(section, "reference", ["square", "straightedge"]));
@@ -180,6 +217,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         head,
         sigma,
         sigma_rad,
+        scale_sigma,
         free: unknowns,
         artefact: Setup::default(),
         rods: Vec::new(),
@@ -191,6 +229,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         balls: Vec::new(),
         is_plan: false,
         fixed: Vec::new(),
+        ranges: Vec::new(),
         is_in_order,
         is_unit_stated,
         is_square_stated: reference == Some(0),

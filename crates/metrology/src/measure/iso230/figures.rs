@@ -10,10 +10,11 @@ use nalgebra::Matrix3;
 
 use super::circle::{self, CirclePoint};
 use super::positioning::{self, ApproachReading};
-use super::{drift, sphere};
+use super::{drift, sphere, straightness};
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
-use ncfix_base::geometry::{AxisVector, Vector};
+use crate::measure::kind::direct::is_straightness;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 
 /// Largest distance from a common plane, as a share of the radius.
@@ -34,7 +35,7 @@ pub const RUNS: usize = 5;
 pub struct MeasuredFigures {
     /// Label of the set-up.
     pub setup: String,
-    /// Its subject: `EXX`, `XY`, `sphere`.
+    /// Its subject: `EXX`, `EXX at Y50` if the set-up has several lines, `XY`, `sphere`.
     pub of: String,
     /// The figures, or the reason why they do not exist, as a sentence.
     pub figures: Result<Figures, String>,
@@ -49,6 +50,17 @@ pub enum Figures {
         figures: positioning::PositioningFigures,
         /// `true` for an angle.
         is_angle: bool,
+        /// `true` if a drift was removed before.
+        without_drift: bool,
+        /// Number of readings left out because the direction of their approach is unknown.
+        left_out: usize,
+    },
+    /// Of a straightness.
+    Straightness {
+        /// Repeatability and reversal, mm.
+        figures: positioning::PositioningFigures,
+        /// Deviation from the least-squares line and from the line through the end points (ISO 230-1), mm.
+        deviation: [f64; 2],
         /// `true` if a drift was removed before.
         without_drift: bool,
         /// Number of readings left out because the direction of their approach is unknown.
@@ -97,33 +109,105 @@ pub fn figures(data: &DataSet, machine: &Machine) -> Vec<MeasuredFigures> {
     }
 }
 
+/// The readings of a component in one set-up along one line.
+struct LineGroup {
+    setup: usize,
+    target: usize,
+    /// The place of the line, where the set-up has several; `None` for all readings.
+    line: Option<MeasuredLine>,
+}
+
+/// Positions of the axes that stand still, and the measuring point, to a micrometer or a microradian.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct MeasuredLine {
+    position: Vec<(Axis, i64)>,
+    tool: [i64; 3],
+}
+
+impl MeasuredLine {
+    /// Number of steps in a millimeter or a radian.
+    const FINE: f64 = 1e3;
+
+    fn of(row: &Observation) -> Option<MeasuredLine> {
+        let moved = row.motion_axis()?;
+        let fine = |value: f64| (value * MeasuredLine::FINE).round() as i64;
+        let position = AXES.into_iter().filter(|axis| *axis != moved);
+        let position = position.map(|axis| (axis, fine(row.reading.position[axis]))).collect();
+        Some(MeasuredLine { position, tool: [0, 1, 2].map(|k| fine(row.reading.tool_mm[k])) })
+    }
+
+    /// The positions in which it differs from other lines: ` at Y50 Z200`.
+    fn words(&self, others: &[&MeasuredLine]) -> String {
+        let mut out = String::new();
+        for (k, (axis, at)) in self.position.iter().enumerate() {
+            if others.iter().any(|other| other.position.get(k) != Some(&(*axis, *at))) {
+                let value = *at as f64 / MeasuredLine::FINE;
+                let shown = if axis.is_rotary() { (1000.0 * value.to_degrees()).round() / 1000.0 } else { value };
+                out.push_str(&format!(" {axis}{shown}"));
+            }
+        }
+        if others.iter().any(|other| other.tool != self.tool) {
+            let [x, y, z] = self.tool.map(|own| own as f64 / MeasuredLine::FINE);
+            out.push_str(&format!(" tool {x},{y},{z}"));
+        }
+        if out.is_empty() { out } else { format!(" at{out}") }
+    }
+}
+
+/// Components by set-up and line. Lines with a single target do not count as lines: the other axes moved too, and all readings count as one line.
+fn line_groups(data: &DataSet) -> Vec<LineGroup> {
+    let mut groups: BTreeMap<(usize, usize), BTreeMap<MeasuredLine, Vec<f64>>> = BTreeMap::new();
+    for row in &data.observations {
+        let (Some(axis), Some(target), Some(line)) = (row.motion_axis(), row.target, MeasuredLine::of(row)) else {
+            continue;
+        };
+        groups.entry((row.setup, target)).or_default().entry(line).or_default().push(row.reading.position[axis]);
+    }
+    let mut out = Vec::new();
+    for ((setup, target), lines) in groups {
+        let is_line = |targets: &Vec<f64>| targets.iter().any(|at| (at - targets[0]).abs() * MeasuredLine::FINE > 1.0);
+        if lines.len() > 1 && lines.values().all(is_line) {
+            out.extend(lines.into_keys().map(|line| LineGroup { setup, target, line: Some(line) }));
+        } else {
+            out.push(LineGroup { setup, target, line: None });
+        }
+    }
+    out
+}
+
 fn components(data: &DataSet) -> Vec<MeasuredFigures> {
-    let mut groups: Vec<(usize, usize)> = data
-        .observations
-        .iter()
-        .filter(|row| row.motion_axis().is_some())
-        .filter_map(|row| Some((row.setup, row.target?)))
-        .collect();
-    groups.sort_unstable();
-    groups.dedup();
-    let one = |(setup, target): (usize, usize)| {
-        let of = data.targets.get(target)?;
-        let component = of.parse().ok()?;
-        let figures = positioning::approaches(data, component, Some(setup)).and_then(|(readings, left_out)| {
+    let groups = line_groups(data);
+    let one = |group: &LineGroup| {
+        let name = data.targets.get(group.target)?;
+        let component = name.parse().ok()?;
+        let is_in = |row: &Observation| {
+            row.setup == group.setup
+                && group.line.as_ref().is_none_or(|line| MeasuredLine::of(row).as_ref() == Some(line))
+        };
+        let figures = positioning::approaches_of(data, component, &is_in).and_then(|(readings, left_out)| {
             let readings: Vec<ApproachReading> =
                 if data.free.contains(&Free::Drift) { drift::without_drift(&readings)? } else { readings };
-            Ok(Figures::Positioning {
-                figures: positioning::figures(&readings)?,
-                is_angle: component.direction.is_rotation(),
-                without_drift: data.free.contains(&Free::Drift),
-                left_out,
+            let figures = positioning::figures(&readings)?;
+            let without_drift = data.free.contains(&Free::Drift);
+            Ok(match straightness::of(&figures.targets).filter(|_| is_straightness(component)) {
+                Some(deviation) => Figures::Straightness { figures, deviation, without_drift, left_out },
+                None => Figures::Positioning {
+                    figures,
+                    is_angle: component.direction.is_rotation(),
+                    without_drift,
+                    left_out,
+                },
             })
         });
         let figures =
             figures.map_err(|fault| component.axis().map_or_else(|| fault.to_string(), |axis| fault.words(axis)));
-        Some(MeasuredFigures { setup: label(data, setup), of: of.clone(), figures })
+        let is_beside = |other: &&LineGroup| (other.setup, other.target) == (group.setup, group.target);
+        let others: Vec<&MeasuredLine> =
+            groups.iter().filter(is_beside).filter_map(|other| other.line.as_ref()).collect();
+        let line = group.line.as_ref().map_or_else(String::new, |line| line.words(&others));
+        Some(MeasuredFigures { setup: label(data, group.setup), of: format!("{name}{line}"), figures })
     };
-    groups.into_iter().filter_map(one).collect()
+    groups.iter().filter_map(one).collect()
 }
 
 fn label(data: &DataSet, setup: usize) -> String {

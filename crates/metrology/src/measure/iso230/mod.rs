@@ -5,6 +5,7 @@ pub mod drift;
 pub mod figures;
 pub mod positioning;
 pub mod sphere;
+mod straightness;
 mod zone;
 
 pub use zone::{Zone, minimum_zone};

@@ -223,11 +223,23 @@ pub fn approaches(
     component: ErrorName,
     setup: Option<usize>,
 ) -> Result<(Vec<ApproachReading>, usize), FiguresError> {
+    approaches_of(data, component, &|row| setup.is_none_or(|setup| setup == row.setup))
+}
+
+/// The readings of a component in some rows, as [`approaches`] returns them.
+///
+/// # Errors
+/// Those of [`approaches`].
+pub fn approaches_of(
+    data: &DataSet,
+    component: ErrorName,
+    is_in: &dyn Fn(&Observation) -> bool,
+) -> Result<(Vec<ApproachReading>, usize), FiguresError> {
     let axis: Axis = component.axis().ok_or(FiguresError::Nothing)?;
     let mut out: Vec<ApproachReading> = Vec::new();
     let mut left_out: Vec<f64> = Vec::new();
     let mut cycle = 0;
-    let own = |row: &&Observation| row.component == Some(component) && setup.is_none_or(|setup| setup == row.setup);
+    let own = |row: &&Observation| row.component == Some(component) && is_in(row);
     for observation in data.observations.iter().filter(own) {
         let Some(deviation) = observation.values[0] else { continue };
         let target = observation.reading.position[axis];

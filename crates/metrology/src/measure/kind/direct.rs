@@ -138,10 +138,14 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
     let (Some(read), Some(component)) = (observation.values[0], observation.component) else { return };
     if component.is_location() {
         let by_location = location::parts(seen.machine, component);
-        let predicted: f64 =
-            by_location.iter().flatten().map(|(name, factor)| factor * seen.model.location(*name)).sum();
         let is_angle = component.direction.is_rotation();
-        out.push(Equation { residual: read - predicted, by_location, is_angle, ..Equation::default() });
+        let (predicted, by_path) = location::angle(&data.ranges, &observation.reading, seen, component)
+            .or_else(|| location::average_line(&data.ranges, &observation.reading, seen, component))
+            .unwrap_or_else(|| {
+                let parts = by_location.iter().flatten();
+                (parts.map(|(name, factor)| factor * seen.model.location(*name)).sum(), Vec::new())
+            });
+        out.push(Equation { residual: read - predicted, by_location, by_path, is_angle, ..Equation::default() });
         return;
     }
     // The moving body: relative to the tool on the workpiece side.

@@ -174,6 +174,20 @@ impl<'a> Seen<'a> {
     }
 }
 
+/// Derivatives with respect to components themselves, not by their effects on the tool.
+pub type ByComponent = [Option<(ErrorName, f64)>; 3];
+
+/// The share of a position in a reading of a mean line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathDerivative {
+    /// The position.
+    pub reading: Reading,
+    /// Derivative with respect to the tip in the workpiece frame.
+    pub by_tip: Vector,
+    /// Derivatives with respect to components themselves.
+    pub by_component: ByComponent,
+}
+
 /// Reading minus prediction, with derivatives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Equation {
@@ -184,7 +198,9 @@ pub struct Equation {
     /// Derivative with respect to a rotation of the tool in the workpiece frame.
     pub by_turn: Vector,
     /// Derivatives with respect to location errors themselves, for a reading of one.
-    pub by_location: [Option<(ErrorName, f64)>; 2],
+    pub by_location: ByComponent,
+    /// Derivatives at several readings, for the location of a mean line; then `by_location` is for errors that do not change along it. The others are zero.
+    pub by_path: Vec<PathDerivative>,
     /// Derivatives with respect to unknowns, with their indices in [`Instrument::unknowns`].
     pub by_unknown: Vec<(usize, f64)>,
     /// `true` if an angle was read.
@@ -244,7 +260,7 @@ impl Equation {
 
 /// The factor of a component among location errors.
 #[must_use]
-pub fn by_component(by_location: &[Option<(ErrorName, f64)>; 2], name: ErrorName) -> f64 {
+pub fn by_component(by_location: &ByComponent, name: ErrorName) -> f64 {
     by_location.iter().flatten().find(|(own, _)| *own == name).map_or(0.0, |(_, factor)| *factor)
 }
 

@@ -133,6 +133,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
             }
         }
     }
-    plan.notes.push("diagonals also contain straightness and angles: a squareness from them is that of a machine whose other errors are small, or stated".into());
+    plan.notes.push("straightness and angular errors also change the diagonals: use a squareness from them only if those errors are small, or in the machine file".into());
+    plan.state_lowest(&tool_mm);
     Ok(plan)
 }

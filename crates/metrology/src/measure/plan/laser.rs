@@ -123,6 +123,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
             plan.go(&pose, Some(feed))?;
         }
     }
+    plan.state_lowest(&tool_mm);
     Ok(plan)
 }
 

@@ -268,9 +268,11 @@ fn along_spindle(machine: &Machine) -> (usize, f64) {
 fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> DataSet {
     DataSet {
         sigma_rad: None,
+        scale_sigma: 0.0,
         balls: Vec::new(),
         is_plan: true,
         fixed: Vec::new(),
+        ranges: Vec::new(),
         conditions: Vec::new(),
         is_in_order: true,
         is_unit_stated: false,

@@ -5,6 +5,7 @@ use super::builder::{Builder, Extra, PlanReach, ROOM};
 use crate::measure::data::Observation;
 use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::snc::Kind;
 
 /// Distance from the end of travel at which a path is bent that would leave it, mm.
 const BEND_MM: f64 = 0.01;
@@ -121,6 +122,32 @@ impl Builder {
             self.go(&over, None)?;
         }
         self.go(to, Some(feed))
+    }
+
+    /// States the lowest points of the path along the spindle, in a note and at the beginning of the program: no machine file says where the table is.
+    pub(super) fn state_lowest(&mut self, tool_mm: &Vector) {
+        let (which, sign) = super::along_spindle(&self.machine);
+        let lowest = |tool_mm: &Vector| {
+            let of = |kind: &Kind| match kind {
+                Kind::Move(one) => Some(sign * self.kinematics.tip_mm(&one.target, tool_mm)[which]),
+                _ => None,
+            };
+            sign * self.path.iter().filter_map(of).fold(f64::INFINITY, f64::min)
+        };
+        let letter = ['X', 'Y', 'Z'][which.min(2)];
+        let [nose, tip] = [Vector::zeros(), *tool_mm].map(|tool| (1000.0 * lowest(&tool)).round() / 1000.0);
+        if !nose.is_finite() {
+            return;
+        }
+        let with_tool =
+            if tool_mm.norm() > 0.0 { format!(", and the measuring point to {letter} {tip}") } else { String::new() };
+        let sentence = format!(
+            "the spindle nose moves down to {letter} {nose} mm{with_tool}, relative to the zero of the machine"
+        );
+        self.path.insert(0, Kind::Comment(sentence.clone().into_bytes()));
+        self.notes.push(format!(
+            "{sentence}; the machine file does not state where the table and the instrument are: compare before the start"
+        ));
     }
 
     /// A position on a sphere, or a nearby one on the sphere if it is outside the travel.

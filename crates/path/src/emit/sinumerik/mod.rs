@@ -19,6 +19,7 @@ use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
 use super::passes::{self, LoopPasses};
+use super::sections::Sections;
 use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions, is_compensation};
 
@@ -35,6 +36,7 @@ pub(super) const ENTRY: WriterEntry = WriterEntry {
     feeds: Feeds::OfLinear,
     has_machine_frame: true,
     has_transformation: true,
+    has_spatial_arcs: true,
     assumed: ASSUMED,
     guard: Some(super::guard::sinumerik),
 };
@@ -60,6 +62,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         bare_block: Vec::new(),
         increment_mm: options.increments.linear_mm,
         feed: 0.0,
+        sections: None,
     }))
 }
 
@@ -90,6 +93,8 @@ struct Sinumerik {
     /// Increment of heights, mm.
     increment_mm: f64,
     feed: f64,
+    /// Sections that can become subprograms, if the output marks them.
+    sections: Option<Sections>,
 }
 
 impl Writer for Sinumerik {
@@ -144,6 +149,9 @@ impl Writer for Sinumerik {
         self.end_bare_block(out);
         self.end_block(out);
         self.stamp(out);
+        if let Some(change) = self.sections.as_mut().map(Sections::finish) {
+            change.mark(b"", out);
+        }
     }
 
     fn begin_with(&mut self, lines: Vec<String>) {
@@ -156,6 +164,10 @@ impl Writer for Sinumerik {
 
     fn mark_passes(&mut self) {
         self.line.kept.passes = Some(LoopPasses::default());
+    }
+
+    fn mark_sections(&mut self) {
+        self.sections = Some(Sections::default());
     }
 
     fn blocks(&self) -> u64 {
@@ -175,16 +187,35 @@ impl Sinumerik {
             self.stops.run_through(&mut self.line);
             self.line.end(out);
         }
-        self.line.open();
         if is_block {
             let own = number.filter(|number| !number.main).map(|number| number.number);
-            if let Some(pass) = self.line.kept.begin(origin, number.is_some()) {
-                self.line.note(&[b"; ", passes::text(pass, own, origin.line).as_bytes()]);
+            let pass = self.line.kept.begin(origin, number.is_some());
+            let pass = pass.map(|pass| format!("; {}", passes::text(pass, own, origin.line))).unwrap_or_default();
+            if !self.turn_section(origin, pass.as_bytes(), out) && !pass.is_empty() {
+                self.line.note(&[pass.as_bytes()]);
             }
         }
+        self.line.open();
         if let Some(number) = self.block_numbers.first(origin, number.filter(|_| is_block)) {
             self.line.block_number(if number.main { b':' } else { b'N' }, number.number);
         }
+    }
+
+    /// Begins or ends a section. Its text depends as little as possible on what precedes it: it states motion, feed and cycle again, and no modal call
+    /// leads out of it. Returns `true` within a section.
+    fn turn_section(&mut self, origin: &Origin, comment: &[u8], out: &mut Vec<u8>) -> bool {
+        let Some(sections) = &mut self.sections else { return false };
+        let change = sections.note(origin);
+        let is_open = sections.is_open();
+        if change.is_any() {
+            self.end_bare_block(out);
+            self.end_modal_call(out);
+            self.assume(out);
+            change.mark(comment, out);
+            self.motion = "";
+            self.feed = f64::NAN;
+        }
+        is_open
     }
 
     /// Ends the last line of a block.

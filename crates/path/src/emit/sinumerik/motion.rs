@@ -24,6 +24,7 @@ impl Sinumerik {
             (_, _, MotionMode::Thread(thread)) => thread.code.word(),
             (true, ..) => "G0",
             (false, None, _) => "G1",
+            (false, Some(arc), _) if arc.through_counts.is_some() => "CIP",
             (false, Some(arc), _) if arc.clockwise => "G2",
             (false, Some(_), _) => "G3",
         };
@@ -53,7 +54,12 @@ impl Sinumerik {
                 self.numbers.linear.push(&mut self.line.text, piece.counts[axis.slot()]);
             }
         }
-        if let Some(arc) = &piece.arc {
+        if let Some(through_counts) = piece.arc.and_then(|arc| arc.through_counts) {
+            for (word, count) in [b"I1=", b"J1=", b"K1="].into_iter().zip(through_counts) {
+                self.word(word);
+                self.numbers.linear.push(&mut self.line.text, count);
+            }
+        } else if let Some(arc) = &piece.arc {
             let across = arc.plane.axes()[2];
             for (letter, axis) in [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)] {
                 if axis != across {

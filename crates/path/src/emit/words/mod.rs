@@ -27,6 +27,7 @@ use super::kept::KeptLines;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
 use super::passes::{self, LoopPasses};
+use super::sections::Sections;
 use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions};
 
@@ -80,6 +81,7 @@ impl Flavour {
             centers: self.centers,
             feeds: self.feeds,
             has_machine_frame: false,
+            has_spatial_arcs: false,
             has_transformation: !matches!(self.language, Language::Grundig),
             assumed: self.assumed,
             guard: self.guard,
@@ -129,6 +131,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         has_ended: false,
         feed: 0.0,
         is_inverse_time: false,
+        sections: None,
     }))
 }
 
@@ -172,6 +175,8 @@ struct Words {
     feed: f64,
     /// Feed mode G93: every feed move states its inverse time.
     is_inverse_time: bool,
+    /// Sections that can become subprograms, if the output marks them.
+    sections: Option<Sections>,
 }
 
 impl Writer for Words {
@@ -218,6 +223,9 @@ impl Writer for Words {
     fn finish(&mut self, out: &mut Vec<u8>) {
         self.end_block(out);
         self.stamp(out);
+        if let Some(change) = self.sections.as_mut().map(Sections::finish) {
+            change.mark(b"", out);
+        }
         if self.is_tape {
             self.line.header(b"%", out);
         }
@@ -239,6 +247,10 @@ impl Writer for Words {
         self.line.kept.passes = Some(LoopPasses::default());
     }
 
+    fn mark_sections(&mut self) {
+        self.sections = Some(Sections::default());
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -251,21 +263,39 @@ impl Words {
         self.has_p = false;
         self.has_ended = false;
         self.stops.begin_block();
-        self.line.open();
-        if let Some(pass) = self.line.kept.begin(origin, number.is_some()) {
-            let text = passes::text(pass, number.map(|number| number.number), origin.line);
-            if self.flavour.is_plain {
-                self.line.note(&[&in_parentheses(text.to_ascii_uppercase().as_bytes())]);
-            } else {
-                self.line.note(&[b"; ", text.as_bytes()]);
-            }
+        let pass = self.line.kept.begin(origin, number.is_some());
+        let pass = pass.map(|pass| passes::text(pass, number.map(|number| number.number), origin.line));
+        let pass = pass.map_or_else(Vec::new, |text| match self.flavour.is_plain {
+            true => in_parentheses(text.to_ascii_uppercase().as_bytes()),
+            false => format!("; {text}").into_bytes(),
+        });
+        if !self.turn_section(origin, &pass, out) && !pass.is_empty() {
+            self.line.note(&[&pass]);
         }
+        self.line.open();
         let own = self.block_numbers.first(origin, number).map(|own| own.number);
         if self.flavour.is_numbered {
             self.line.own_number(own);
         } else if let Some(number) = own {
             self.line.block_number(b'N', number);
         }
+    }
+
+    /// Begins or ends a section. Its text depends as little as possible on what precedes it: it states motion, feed and cycle again. Returns `true`
+    /// within a section.
+    fn turn_section(&mut self, origin: &Origin, comment: &[u8], out: &mut Vec<u8>) -> bool {
+        let Some(sections) = &mut self.sections else { return false };
+        let change = sections.note(origin);
+        let is_open = sections.is_open();
+        if change.is_any() {
+            self.assume(out);
+            change.mark(comment, out);
+            self.motion = "";
+            self.feed = f64::NAN;
+            self.cycle = None;
+            self.definition.clear();
+        }
+        is_open
     }
 
     /// Ends the last line of a block.

@@ -80,6 +80,9 @@ impl Words {
         if arc.as_ref().is_some_and(|arc| arc.extra_turns > 0) && self.flavour.language != Language::Rs274 {
             return Err(self.no_words(origin, "an arc of several turns", "program one turn per block"));
         }
+        if arc.as_ref().is_some_and(|arc| arc.through_counts.is_some()) {
+            return Err(self.no_words(origin, "an arc through a point in space", "program chords"));
+        }
         match (&piece.motion_mode, arc) {
             (MotionMode::Thread(thread), _) => self.thread_word(thread, origin),
             (MotionMode::Probe(word), _) => Ok(*word),

@@ -106,7 +106,8 @@ fn further(piece: Piece) -> Piece {
 }
 
 pub(super) fn arc(axes: &[(Axis, i64)], plane: Plane, start_counts: [i64; 3], center_counts: [i64; 3]) -> Piece {
-    let circle = PieceArc { plane, clockwise: false, center_counts, start_counts, extra_turns: 0 };
+    let circle =
+        PieceArc { plane, clockwise: false, center_counts, start_counts, extra_turns: 0, through_counts: None };
     Piece { arc: Some(circle), ..line(axes) }
 }
 

@@ -39,6 +39,18 @@ impl<'m, I: Iterator<Item = ComparedMove<'m>>> MovesAhead<'m, I> {
         self.queue.drain(..count).collect()
     }
 
+    /// Omits the next move; what belongs to it goes to the one after it. The last move stays: returns `false`.
+    fn omit(&mut self) -> bool {
+        let Some(lead) = self.next() else { return false };
+        let Some(mut next) = self.next() else {
+            self.put_back(lead);
+            return false;
+        };
+        next.take_over(lead);
+        self.put_back(next);
+        true
+    }
+
     fn look(&mut self) {
         while self.queue.len() < LOOK
             && let Some(step) = self.moves.next()
@@ -55,6 +67,23 @@ impl<'m, I: Iterator<Item = ComparedMove<'m>>> Iterator for MovesAhead<'m, I> {
         let step = self.queue.pop_front().or_else(|| self.moves.next());
         self.has_begun |= step.is_some();
         step
+    }
+}
+
+/// Omits moves of both that lead to a hole at which the tool nearly is, unless the other program has the same move.
+pub(super) fn omit_leads<'m, I, J>(original: &mut MovesAhead<'m, I>, corrected: &mut MovesAhead<'m, J>)
+where
+    I: Iterator<Item = ComparedMove<'m>>,
+    J: Iterator<Item = ComparedMove<'m>>,
+{
+    loop {
+        let (step, piece) = (original.peek(), corrected.peek());
+        let own = step.is_some_and(|step| step.is_lead_beside(piece));
+        let other = piece.is_some_and(|piece| piece.is_lead_beside(step));
+        let is_omitted = (own && original.omit()) | (other && corrected.omit());
+        if !is_omitted {
+            return;
+        }
     }
 }
 

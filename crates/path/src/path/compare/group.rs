@@ -167,7 +167,7 @@ impl MoveGroup<'_> {
             };
             let (errors_mm, mut seen) = self.sample(&course, (stands && !is_complete, is_complete), prediction);
             if stands && let Some(next) = corrected.peek().filter(|next| next.continues && next.on_the_spot) {
-                seen.end = self.beyond_play(&piece, next, seen.end);
+                seen.end = self.beyond_play(&piece, next, seen.end, judge.rounding_mm());
             }
             let length_mm = whole_mm * (self.parameter - before);
             let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
@@ -335,6 +335,24 @@ impl MoveGroup<'_> {
         level_mm + lost_mm + if leaves_hole { change_mm } else { 0.5 * change_mm }
     }
 
+    /// Displacement of the tip when the axes that a move of a hole moves, and the drilling axis, change sides, mm: with their lateral backlash.
+    pub(super) fn reversal_mm(&self, piece: &ComparedMove<'_>) -> f64 {
+        let (start, end) = (&piece.route.start, &piece.route.end);
+        // In a turned frame the drilling axis is several axes of the machine.
+        let is_turned = !piece.setup.frame.is_translation();
+        let is_of_hole = |axis: Axis| axis == piece.setup.plane.axes()[2] || is_turned && !axis.is_rotary();
+        let moves = |axis: &Axis| is_of_hole(*axis) || (end[*axis] - start[*axis]).abs() > SAME_MM;
+        let reversal_mm = |axis: Axis| {
+            let tip = |side: i8| {
+                let mut state = piece.band.state();
+                state.direction[axis.slot()] = side;
+                self.model.tip_error_mm(end, end, &piece.tool_mm, &state)
+            };
+            (tip(1) - tip(-1)).norm()
+        };
+        self.lead.axes.iter().filter(moves).map(reversal_mm).sum()
+    }
+
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
     fn off_mm(&self, offset: &Offset) -> f64 {
         offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
@@ -348,10 +366,9 @@ impl MoveGroup<'_> {
 
     /// The offset at the end of a step on the spot or of a rapid move, reduced by the permitted backlash. A quick body may be on either side, for the
     /// side to which the next piece leads it. A body that a rapid move leaves within its dead band waits for a step that leads it out.
-    fn on_either_side(&self, piece: &ComparedMove<'_>, nominal: &AxisVector, end: Vector) -> Vector {
+    fn on_either_side(&self, piece: &ComparedMove<'_>, nominal: &AxisVector, seen: &mut TipDeviation) {
         let command = piece.route.end;
         let band = piece.path().band_at(1.0, &self.lead);
-        let mut best = end;
         let mut bands = vec![band];
         for axis in self.lead.axes.iter() {
             let lost = self.model.lost_motion(axis, &command);
@@ -360,7 +377,10 @@ impl MoveGroup<'_> {
                 // too, until it has moved by the whole of it.
                 0 => &[1, 0, -1],
                 _ if self.lead.is_quick(axis, &command) => &[1, -1],
-                _ => continue,
+                _ if band.is_on(std::iter::once(axis).collect(), &band.direction()) => continue,
+                // The rounding of two commands may leave the body short of its side.
+                1 => &[1],
+                _ => &[-1],
             };
             let before = std::mem::take(&mut bands);
             for band in before {
@@ -372,17 +392,23 @@ impl MoveGroup<'_> {
             }
         }
         for band in bands {
-            let other = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None).nearest;
-            if other.norm() < best.norm() {
-                best = other;
+            let other = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None);
+            if other.nearest.norm() < seen.end.norm() {
+                seen.end = other.nearest;
             }
+            seen.other_ends.push(other.middle);
         }
-        best
     }
 
-    /// The part of the offset after a preparatory step that exceeds the permitted backlash. `next` leads bodies to the other side on the spot; until
-    /// then the tip is displaced by their lateral backlash.
-    fn beyond_play(&self, piece: &ComparedMove<'_>, next: &ComparedMove<'_>, offset: Vector) -> Vector {
+    /// The part of the offset after a preparatory step that exceeds the permitted backlash and the rounding of the way through it. `next` leads bodies to the
+    /// other side on the spot; until then the tip is displaced by their lateral backlash.
+    fn beyond_play(
+        &self,
+        piece: &ComparedMove<'_>,
+        next: &ComparedMove<'_>,
+        offset: Vector,
+        rounding_mm: f64,
+    ) -> Vector {
         let (from, to) = (piece.route.end, next.route.end);
         let aside = self.lead.axes.iter().map(|axis| {
             let (lost, way) = (self.model.lost_motion(axis, &to), to[axis] - from[axis]);
@@ -400,6 +426,7 @@ impl MoveGroup<'_> {
             (tip(&led, side) - tip(&from, -side)).norm()
         });
         let (off_mm, aside_mm) = (offset.norm(), aside.sum::<f64>());
+        let aside_mm = if aside_mm > 0.0 { aside_mm + rounding_mm } else { 0.0 };
         if off_mm > aside_mm { offset * (1.0 - aside_mm / off_mm) } else { Vector::zeros() }
     }
 
@@ -414,11 +441,11 @@ impl MoveGroup<'_> {
         let (piece, between) = (course.piece, [course.from, course.to]);
         let beside = self.beside(piece);
         let end = beside.end_offset(course.to).tip;
-        let mut seen = TipDeviation { end, most_mm: end.norm() };
+        let mut seen = TipDeviation { end, most_mm: end.norm(), other_ends: Vec::new() };
         let is_still = course_stands(course);
         let is_tapped = piece.whole.is_some() && self.step.is_uncut();
         if (waits || self.step.rapid || is_still || is_tapped) && !self.lead.axes.is_empty() {
-            seen.end = self.on_either_side(piece, &self.step.route.at(course.to), end);
+            self.on_either_side(piece, &self.step.route.at(course.to), &mut seen);
         }
         if self.step.rapid {
             prediction.note_rapid();

@@ -28,10 +28,12 @@ const SAME_TILT_RAD: f64 = 2e-5;
 const NO_WAY: f64 = 1e-9;
 
 /// Deviation of the tool from its place on a piece.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct TipDeviation {
     /// At the end.
     pub(super) end: Vector,
+    /// At the end for other sides of bodies that no motion has led to a known side.
+    pub(super) other_ends: Vec<Vector>,
     /// The largest at all examined places including the end, mm.
     pub(super) most_mm: f64,
 }
@@ -347,17 +349,19 @@ impl<'d> Judge<'d> {
         // A tap does not move across its hole, but its place there counts.
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut() && piece.whole.is_none();
         let off_mm = if off_mm > self.limit_of(group, piece) && may_be_left {
-            self.beyond_left_mm(group, course, &seen.end)
+            self.beyond_left_mm(group, course, seen)
         } else {
             off_mm
         };
         // The rapid moves of a cycle keep the place of its hole at other heights, also above it at a level that is as programmed.
         let is_of_hole = piece.in_cycle || piece.on_the_spot && step.in_cycle;
-        if step.rapid && is_of_hole && off_mm <= BESIDE_HOLE_MM { 0.0 } else { off_mm }
+        // Its axes are there on the other sides of their dead bands, and no word of the call can correct more than the hole itself.
+        let is_beside = || off_mm <= BESIDE_HOLE_MM + group.before_mm(course.to) + group.reversal_mm(piece);
+        if step.rapid && is_of_hole && is_beside() { 0.0 } else { off_mm }
     }
 
     /// The deviation beyond the effect of unchanged words: rapid moves may be corrected in some words only.
-    fn beyond_left_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, end: &Vector) -> f64 {
+    fn beyond_left_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, seen: &TipDeviation) -> f64 {
         let (step, piece, kinematics) = (group.step, course.piece, group.kinematics);
         let place = step.route.at(course.to);
         let [nominal, before, written] =
@@ -366,8 +370,7 @@ impl<'d> Judge<'d> {
             let command = piece.commanded(words, kinematics)?;
             Some(group.model.tip_error_mm(&place, &command, &piece.tool_mm, &piece.band.state()))
         };
-        let Some(here) = tip(&written) else { return end.norm() };
-        let mut rest = *end;
+        let Some(here) = tip(&written) else { return seen.end.norm() };
         let mut ways: Vec<Vector> = Vec::new();
         for axis in AXES {
             let increment =
@@ -389,11 +392,11 @@ impl<'d> Judge<'d> {
                 way -= known * known.dot(&way);
             }
             if way.norm() > NO_WAY {
-                let way = way.normalize();
-                rest -= way * way.dot(&rest);
-                ways.push(way);
+                ways.push(way.normalize());
             }
         }
-        rest.norm()
+        // The sides for which the tool is nearest are not those for which the words that count are right: a word that is left may have the largest error.
+        let beyond = |end: &Vector| ways.iter().fold(*end, |rest, way| rest - way * way.dot(&rest)).norm();
+        std::iter::once(&seen.end).chain(&seen.other_ends).map(beyond).fold(f64::INFINITY, f64::min)
     }
 }

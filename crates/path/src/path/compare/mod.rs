@@ -32,7 +32,7 @@ pub use difference::{ActSubject, ProgramDifference, What};
 pub use parting::Parting;
 pub use promise::Promise;
 
-use ahead::{MovesAhead, rejoin};
+use ahead::{MovesAhead, omit_leads, rejoin};
 use group::{BESIDE_HOLE_MM, MoveGroup};
 use judge::Judge;
 use step::{ComparedMove, Walk};
@@ -188,7 +188,9 @@ pub fn compare_seeing(
     let mut judge = Judge::new(promise, machine, differ);
     let mut carried = Offset::default();
     let mut partings: Vec<Parting> = Vec::new();
-    while let Some(mut step) = original.next() {
+    loop {
+        omit_leads(&mut original, &mut corrected);
+        let Some(mut step) = original.next() else { break };
         let is_too_short = step.rapid && step.in_cycle && step.route.size_mm() <= BESIDE_HOLE_MM;
         if is_too_short
             && grouping == Grouping::ByMarks

@@ -22,6 +22,8 @@ use ncfix_model::{DeadBand, Model};
 
 /// More than a plausible correction of a position, mm: the last rapid move before a hole may be as programmed.
 const MOST_CORRECTION_MM: f64 = 1.0;
+/// More than the change of a correction over [`MOST_CORRECTION_MM`], mm: the tool comes from a place with another one.
+const MOST_CHANGE_MM: f64 = 0.1;
 /// Share of a move at its end that determines its final direction.
 const NEAR_END: f64 = 1e-4;
 /// Weight of rotary axes in directions, mm per rad.
@@ -58,6 +60,8 @@ pub(super) struct ComparedMove<'a> {
     pub(super) on_the_spot: bool,
     /// `true` for a move of a drilling cycle, or to its hole.
     pub(super) in_cycle: bool,
+    /// `true` if it leads a tool that is nearly at a hole to the place of its call. The other program may lack it.
+    pub(super) leads_to_hole: bool,
     /// The hole of a feed move in a cycle that stays a cycle in any case.
     pub(super) whole: Option<WholeHole>,
     /// Motion mode.
@@ -122,6 +126,24 @@ impl ComparedMove<'_> {
         } else {
             Some(position)
         }
+    }
+
+    /// `true` if it moves as `other` does, apart from a correction.
+    fn moves_as(&self, other: &ComparedMove<'_>) -> bool {
+        let way = |step: &ComparedMove<'_>| step.route.end - step.route.start;
+        self.rapid == other.rapid && (way(self) - way(other)).xyz().amax() <= MOST_CHANGE_MM
+    }
+
+    /// `true` if it only leads to the place of a call, and the next move of the other program is another one or leads there as well.
+    pub(super) fn is_lead_beside(&self, other: Option<&ComparedMove<'_>>) -> bool {
+        self.leads_to_hole && other.is_none_or(|other| other.leads_to_hole || !self.moves_as(other))
+    }
+
+    /// Takes over what belongs to a move before it that is not compared.
+    pub(super) fn take_over(&mut self, before: ComparedMove<'_>) {
+        self.acts.splice(..0, before.acts);
+        self.number = before.number.or(self.number);
+        self.continues = before.continues;
     }
 
     /// `true` if the control passes without exact stop into a move of the same block in the same direction, as between the pieces of a curve.
@@ -344,12 +366,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
             let hole = if std::mem::take(&mut self.approaches) { self.hole } else { None };
             // After a feed move to the hole, the output moves to the place of its call.
             let after_feed = std::mem::replace(&mut self.has_fed, !motion.rapid);
-            if self.is_at_hole(&motion, hole.or(triggered.filter(|_| after_feed))) {
-                let route = self.route(&motion);
-                self.lead.along(&mut self.band, &route, self.known, [0.0, 1.0]);
-                self.position = motion.target;
-                continue;
-            }
+            let leads_to_hole = self.is_at_hole(&motion, hole.or(triggered.filter(|_| after_feed)));
             let in_cycle = self.hole.is_some() || triggered.is_some();
             let whole = self.whole(&motion);
             let step = ComparedMove {
@@ -371,6 +388,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                 continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
                 in_cycle,
+                leads_to_hole,
                 whole,
                 motion_mode: motion.motion_mode,
                 off_curve_mm: motion.off_curve_mm,

@@ -4,8 +4,10 @@
 //! the mean correction of both ends of the line across it, and by whole increments along it. If the tip of a feed move is then outside the
 //! tolerance of holes, the hole is written as moves.
 
+mod attempt;
 mod fit;
 mod level;
+mod shifted;
 
 use std::sync::Arc;
 
@@ -325,11 +327,20 @@ where
                 && matches!(motion.motion_mode, MotionMode::Path | MotionMode::Thread(_));
             let target = self.placer.in_frame(&motion.target);
             let others_move = AXES.iter().any(|&axis| !own.contains(axis) && target[axis] != at[axis]);
-            let changes_level = is_leading && (target[axes[2]] - at[axes[2]]).abs() > SAME_PLACE_MM;
-            if !is_axis_move || others_move || changes_level || !own.difference(motion.known).is_empty() {
+            let is_level = (target[axes[2]] - at[axes[2]]).abs() <= SAME_PLACE_MM;
+            let changes_level = is_leading && !is_level;
+            let moves_across = axes[..2].iter().any(|&axis| (target[axis] - at[axis]).abs() > SAME_PLACE_MM);
+            // LinuxCNC rises to R on its way to the next hole, but before it if the level at the start of its cycles is lower: in the output these may start later.
+            let is_from_below = initial.nominal_mm + SAME_PLACE_MM < target[axes[2]];
+            let rises_on_its_way = motion.rapid && moves_across && !is_level && is_from_below;
+            if !is_axis_move
+                || others_move
+                || changes_level
+                || rises_on_its_way
+                || !own.difference(motion.known).is_empty()
+            {
                 return None;
             }
-            let moves_across = axes[..2].iter().any(|&axis| (target[axis] - at[axis]).abs() > SAME_PLACE_MM);
             if motion.rapid {
                 has_approach |= line.is_none() && moves_across;
             } else {

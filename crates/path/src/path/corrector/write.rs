@@ -15,6 +15,11 @@ use crate::path::sampling::{LedPath, PieceErrors, SampledPiece};
 use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::treatment::MoveTreatment;
 
+/// Allowance for the path between the places that are measured, as a share of the tolerance.
+const BETWEEN_SHARE: f64 = 0.05;
+/// Largest displacement of an arc by the rounding of its center, increments: half of one in each of two directions.
+const CENTER_INCREMENTS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
@@ -108,12 +113,26 @@ where
         let middle_mm = trial.middle_mm.filter(|_| bands.are_led && is_whole);
         let emitted = (&trial.emitted, &bands.start, bands.sensed);
         let found = self.sample(active, emitted, (trial.between[1], is_last), middle_mm);
-        let nearest_mm = found.map_or(0.0, |found| found.nearest_mm.max(found.start_mm));
-        // Rounding may leave bodies within their dead bands, away from the side for which they were placed.
-        let tolerance_mm = active.tolerance_mm;
-        if !bands.are_led && !active.motion.rapid && nearest_mm > self.placer.increments.allowed_mm(tolerance_mm) {
+        let (nearest_mm, start_mm) = found.map_or((0.0, 0.0), |found| (found.nearest_mm, found.start_mm));
+        // Rounding may leave bodies within their dead bands, away from the side for which they were placed. Where all are led, one may reverse on the way.
+        let (increments, tolerance_mm) = (&self.placer.increments, active.tolerance_mm);
+        let is_judged = match bands.are_led {
+            true => active.treatment == MoveTreatment::RotaryDirection && !self.sampler.backlash.is_empty(),
+            false => true,
+        };
+        let (between_mm, center_mm) = match bands.are_led {
+            // The center of an arc is rounded too. A step on the spot before the arc has no center.
+            true => {
+                let center_mm = if trial.circle.is_some() { CENTER_INCREMENTS * increments.linear_mm } else { 0.0 };
+                (BETWEEN_SHARE * tolerance_mm.max(increments.rounding_mm()), center_mm)
+            }
+            false => (0.0, 0.0),
+        };
+        let allowed_mm = increments.allowed_mm(tolerance_mm) + between_mm;
+        let is_missed = start_mm > allowed_mm || nearest_mm > allowed_mm + center_mm;
+        if is_judged && !active.motion.rapid && is_missed {
             let is_cut = active.motion.motion_mode == MotionMode::Path;
-            self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm, tolerance_mm);
+            self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm.max(start_mm), tolerance_mm);
         }
     }
 

@@ -16,9 +16,11 @@ impl CommandSolver<'_> {
         let wanted = self.programmed(target);
         let mut programmed = self.programmed(&standing.command);
         let mut counts = standing.counts;
+        // The machine file states where a rotary axis is before the first motion.
+        let begins = |axis: Axis| axis.is_rotary() && known.contains(axis) && !standing.known.contains(axis);
         for axis in AXES {
             let slot = axis.slot();
-            if moving.contains(axis) {
+            if moving.contains(axis) || begins(axis) {
                 counts[slot] = self.increments.count(axis, wanted[axis]);
                 programmed[axis] = self.increments.position(axis, counts[slot]);
             } else if !standing.written.contains(axis) {
@@ -30,7 +32,7 @@ impl CommandSolver<'_> {
         for axis in AXES {
             if !known.contains(axis) {
                 command[axis] = target[axis];
-            } else if !moving.contains(axis) && (is_parallel || axis.slot() > 2) {
+            } else if !moving.contains(axis) && !begins(axis) && (is_parallel || axis.slot() > 2) {
                 command[axis] = standing.command[axis];
             }
         }

@@ -36,6 +36,7 @@ pub(super) const FORMAT: Format = Format {
     numbers: reader::numbers,
     beside: &["enc"],
     sum_limit: Some(sum_limit),
+    has_axis_numbers: true,
     is_mine,
 };
 

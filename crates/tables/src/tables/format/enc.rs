@@ -37,6 +37,7 @@ pub(super) const FORMAT: Format = Format {
     numbers: super::without_numbers,
     beside: &["cec"],
     sum_limit: None,
+    has_axis_numbers: true,
     is_mine,
 };
 

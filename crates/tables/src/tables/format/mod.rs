@@ -59,6 +59,8 @@ pub struct Format {
     /// The setting of the control that limits the sum of the corrections of an axis, as a remark: from the name of the axis at the control, the largest
     /// sum in mm or deg, and its unit.
     pub sum_limit: Option<fn(&str, f64, &str) -> String>,
+    /// True if files name axes by their numbers at the control (`AX4`), which only the control knows.
+    pub has_axis_numbers: bool,
     /// `true` if a file looks like this format, by its name and first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,
 }

@@ -63,6 +63,7 @@ pub(super) const FORMAT: Format = Format {
     numbers: super::without_numbers,
     beside: &[],
     sum_limit: None,
+    has_axis_numbers: false,
     is_mine,
 };
 

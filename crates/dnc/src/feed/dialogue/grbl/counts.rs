@@ -32,6 +32,8 @@ pub(super) enum CountVerdict {
 pub(super) struct Counts {
     /// Free bytes of an empty buffer: the largest number reported.
     bytes: usize,
+    /// Free places of an empty planner: the largest number reported.
+    blocks: usize,
     /// Bytes of lines that were sent or queued, and bytes of those that were answered.
     sent: u64,
     answered: u64,
@@ -71,6 +73,12 @@ impl Counts {
     /// Notes the free bytes; the largest number ever free is the size of the buffer.
     pub(super) fn see(&mut self, status: &GrblReport<'_>) {
         self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
+        self.blocks = self.blocks.max(status.free_blocks.unwrap_or(0));
+    }
+
+    /// False if blocks wait in the planner; true if the report does not say.
+    pub(super) fn has_no_block(&self, status: &GrblReport<'_>) -> bool {
+        status.free_blocks.is_none_or(|free| free >= self.blocks)
     }
 
     /// True if the size of the buffer is known.

@@ -6,6 +6,7 @@
 //! | --- | --- | --- |
 //! | greeting, looking | a greeting; a report | it responds; unless it is idle the job ends |
 //! | asking | `ok`, `error:N` | for lines of an earlier job, or for the question; the line of `$I` |
+//! | zeroing | `[G54:…]`, `[G92:…]`, `[TLO:…]`, `[GC:…]`, two of `ok`, `error:N` | zero offsets and codes in force: the lines of `$#` and `$G` |
 //! | lines under way | `ok` | the oldest was taken, not necessarily executed |
 //! | | `error:N` | the oldest was refused: the axes are held, the other answers are awaited |
 //! | any | a report that fits the count | buffer state; one more line may be in its parser |
@@ -21,7 +22,7 @@ use ncfix_base::pattern::{RegexSet, patterns};
 use super::counts::CountVerdict;
 use super::place::StandstillVerdict;
 use super::status::{GrblReport, GrblState};
-use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
+use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, RUN_UP, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
 use crate::feed::dialogue::position::elsewhere;
@@ -67,8 +68,11 @@ impl Grbl {
             && is_info
         {
             self.place.has_axes(axes);
+            self.zero.has_axes(axes);
+        } else if self.state == State::Zeroing && text.starts_with('[') {
+            self.zero.hear(text);
         } else if text == "ok" {
-            self.acknowledge(now, events);
+            self.acknowledge(now, wire, events);
         } else if let Some(code) = text.strip_prefix("error:") {
             self.refuse(code, now, wire, events);
         } else if let Some(code) = text.strip_prefix("ALARM:") {
@@ -91,12 +95,29 @@ impl Grbl {
         wire.push(b"$I\n");
     }
 
-    fn acknowledge(&mut self, now: Duration, events: &mut Vec<Event>) {
+    /// Asks for the zero offsets if they are to be compared.
+    fn ask_for_zeros(&mut self, now: Duration, wire: &mut Wire) {
+        (self.state, self.asked) = (State::Looking, 0);
+        if self.zero.is_expected() {
+            (self.state, self.moved) = (State::Zeroing, now);
+            wire.push(b"$#\n$G\n");
+        }
+    }
+
+    fn zeros_answered(&mut self) {
+        if self.zero.answered() {
+            (self.state, self.asked) = (State::Looking, 0);
+        }
+    }
+
+    fn acknowledge(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         if self.state == State::Asking {
             self.has_answered = true;
             if self.has_told {
-                (self.state, self.asked) = (State::Looking, 0);
+                self.ask_for_zeros(now, wire);
             }
+        } else if self.state == State::Zeroing {
+            self.zeros_answered();
         } else if let Some((number, length, _)) = self.in_flight.pop_front() {
             self.bytes -= length;
             self.moved = now;
@@ -136,6 +157,8 @@ impl Grbl {
     fn refuse(&mut self, code: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         if self.state == State::Asking {
             self.has_answered = true;
+        } else if self.state == State::Zeroing {
+            self.zeros_answered();
         } else if let Some((number, length, _)) = self.in_flight.pop_front() {
             self.bytes -= length;
             self.counts.answered(length);
@@ -167,8 +190,10 @@ impl Grbl {
             self.confirm(events);
             events.push(Event::Refused(number, format!("{said}; {what}")));
         } else {
-            let first = number.saturating_sub(self.surplus.max(1));
-            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line was answered exactly once; {what}"), events);
+            // An answer that came twice, or none, shifts the count to either side.
+            let first = number.saturating_sub(self.surplus.max(1)).max(1);
+            let lines = if first < number { format!("{first}, {number}") } else { format!("{number}") };
+            self.lost(&format!("the control has refused line {lines} or a later one with {said} (the answers do not show which); {what}"), events);
         }
     }
 
@@ -187,7 +212,7 @@ impl Grbl {
             let blocks = status.free_blocks.map(|blocks| blocks.to_string());
             self.depth.hear(blocks.as_deref(), STEPPED, text);
         }
-        if matches!(self.state, State::Greeting | State::Asking | State::Looking) {
+        if matches!(self.state, State::Greeting | State::Asking | State::Zeroing | State::Looking) {
             // Before the first line the control must be idle.
             let state = text.trim_start_matches('<').split(['|', '>']).next().unwrap_or_default();
             match not_idle(state) {
@@ -223,7 +248,14 @@ impl Grbl {
             self.moved = now;
             events.push(Event::Paused(is_held));
         }
+        if let Some(why) = self.zero.see(status.offset)
+            && self.state != State::Refusing
+        {
+            return self.lost(&why, events);
+        }
         let is_empty = self.counts.is_empty(status);
+        let rests = status.word == GrblState::Idle && is_empty != Some(false) && self.counts.has_no_block(status);
+        self.rests_since = rests.then(|| self.rests_since.unwrap_or(now));
         if self.state == State::Refusing {
             // While the axes are held, lines may wait for the planner without an answer.
             let is_taken = is_empty == Some(true);
@@ -235,6 +267,9 @@ impl Grbl {
         let is_idle = status.word == GrblState::Idle && is_empty != Some(false) && wire.waiting() == 0;
         // An unsolicited report may be older.
         self.idle = if is_idle { self.idle + u32::from(is_asked) } else { 0 };
+        if self.state == State::Zeroing {
+            return;
+        }
         if self.state == State::Asking {
             // It has nothing more to answer, so the last answer was that to the question.
             if self.idle >= 2 && self.has_answered {
@@ -263,7 +298,11 @@ impl Grbl {
         if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
             let agreed = match self.place.look(status) {
                 StandstillVerdict::Again => return,
-                StandstillVerdict::Differs(why) => return self.lost(&elsewhere(&why), events),
+                StandstillVerdict::Differs(why) => {
+                    // Every line was answered, and the dwell after it.
+                    self.confirm(events);
+                    return self.lost(&elsewhere(&why), events);
+                }
                 StandstillVerdict::Done(agreed) => agreed,
             };
             self.confirm(events);
@@ -275,17 +314,23 @@ impl Grbl {
                 self.barrier.is_over();
             }
         }
-        // The control reports idle during a dwell. If it stays idle for longer, an answer is missing, which may have been a refusal.
-        if status.word == GrblState::Idle
+        // The control reports idle during a dwell, and while its spindle runs up. If it stays idle for longer and has nothing to read, an answer is missing,
+        // which may have been a refusal.
+        let patience = if self.tells_buffers { self.patience } else { self.patience.max(RUN_UP) };
+        if let Some(since) = self.rests_since
             && let (Some((_, _, busy)), Some((last, _, _))) = (self.in_flight.front(), self.in_flight.back())
-            && now.saturating_sub(self.moved) > self.patience + *busy
+            && now.saturating_sub(since.max(self.moved)) > patience + *busy
         {
             // The answer to the dwell may have been counted for the last line.
             let (first, last) =
                 if *last == NO_LINE { (self.confirmed, self.acknowledged) } else { (self.acknowledged, *last) };
+            let lines = if first + 1 < last {
+                format!("one of the lines {} to {last}", first + 1)
+            } else {
+                format!("line {last}")
+            };
             let what = format!(
-                "an answer was lost: the control is idle and sends no more answers, but one of the lines {} to {last} may have been refused",
-                first + 1
+                "an answer was lost: the control is idle, has nothing to read and sends no more answers, but {lines} may have been refused"
             );
             self.lost(&impossible(&what), events);
         }

@@ -2,10 +2,13 @@
 //!
 //! The control states the size of its buffers in `[OPT:…,blocks,bytes]` and their free space in `<…|Bf:blocks,bytes>` (Grbl 1.1, interface). Surplus answers
 //! must not make the buffer overflow, so room for twice the longest line under way is kept free. A dwell follows the last line; it is answered when the
-//! planner is empty. The job is done only then, and when the control reports idle. If reports do not contain the buffer state, only the count of answers says
-//! what was taken. In this case a dwell is also sent now and then ([`super::barrier`]).
+//! planner is empty. The job is done only then, and when the control reports idle. A dwell is also sent now and then ([`super::barrier`]): a later line can hide
+//! that an earlier one was not executed, and without the buffer state in reports only the count of answers says what was taken.
 //!
-//! When the control has come to a stop after such a dwell, its position must be that of the lines sent ([`place`]).
+//! When the control has come to a stop after such a dwell, its position must be that of the lines sent ([`place`]). Its zero offsets must be those of the
+//! correction before the first line, and may change only by a line of the program ([`super::zeros`]).
+//!
+//! A control waits in silence, and reports idle, while its spindle runs up. As long as its buffer holds unread lines, no answer is missing.
 
 mod counts;
 mod hear;
@@ -15,10 +18,11 @@ mod status;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::answers::Answers;
+use super::answers::{Answers, counted};
 use super::barrier::Barrier;
 use super::depth::Depth;
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::zeros::ZeroWatch;
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
 use place::ReportedPlace;
 
@@ -50,6 +54,8 @@ const BARRIER: &[u8] = b"G4 P0.01\n";
 const NO_LINE: u64 = 0;
 /// Interval of status questions while the control comes to a stop after a dwell.
 const ASK_SOON: Duration = Duration::from_millis(10);
+/// Time that a control without a buffer state may report idle before an answer is missing: its spindle may run up meanwhile, and nothing shows that.
+const RUN_UP: Duration = Duration::from_secs(15);
 /// Receive buffer of a control that does not state its size, bytes: that of Grbl (serial.h), the smallest of the family.
 const LEAST_BUFFER: usize = 128;
 /// Bytes of the buffer that are kept free.
@@ -61,6 +67,8 @@ enum State {
     Greeting,
     /// Waits for the buffer sizes. Answers to lines of an earlier job, which the control still holds, may come first.
     Asking,
+    /// Waits for the zero offsets and the codes in force.
+    Zeroing,
     /// Waits for a final report that the control is idle.
     Looking,
     /// Lines are being sent.
@@ -96,6 +104,8 @@ struct Grbl {
     asked: u32,
     /// Number of consecutive reports that nothing remains to be done.
     idle: u32,
+    /// Time of the first of the consecutive reports that the axes rest and no line is unread.
+    rests_since: Option<Duration>,
     /// Time when a line was last sent or answered, or motion was last resumed.
     moved: Duration,
     /// True if its reports contain the buffer state.
@@ -107,6 +117,7 @@ struct Grbl {
     sure: u64,
     barrier: Barrier,
     place: ReportedPlace,
+    zero: ZeroWatch,
     /// True if the control is to stop before the next line; true if the dwell for that, or after the last line, was sent; true if it was answered.
     is_due: bool,
     has_barrier: bool,
@@ -141,6 +152,7 @@ impl Grbl {
             last_asked: Duration::ZERO,
             asked: 0,
             idle: 0,
+            rests_since: None,
             moved: Duration::ZERO,
             tells_buffers: false,
             acknowledged: 0,
@@ -149,6 +161,7 @@ impl Grbl {
             sure: 0,
             barrier: Barrier::default(),
             place: ReportedPlace::default(),
+            zero: ZeroWatch::default(),
             is_due: false,
             has_barrier: false,
             is_drained: false,
@@ -169,6 +182,10 @@ impl Grbl {
 
     /// The control is idle: begins to send lines.
     fn begin(&mut self, events: &mut Vec<Event>) {
+        if let Some(why) = self.zero.begin() {
+            return self.lost(&why, events);
+        }
+        events.extend(self.zero.stated().map(Event::ZeroOffsets));
         self.state = State::Open;
         if !self.tells_buffers {
             let said = "status reports do not include the buffer fill, so the axes stop now and then to confirm the executed lines; $10=2 ($10=3 with machine positions) adds it";
@@ -225,11 +242,12 @@ impl Dialogue for Grbl {
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
         check_text(&line.text, self.longest_line, &self.refused)?;
+        self.zero.sent(&line.text);
         let bytes = [&line.text[..], b"\n"].concat();
         self.push((line.number, line.busy()), &bytes, now, wire);
         let (is_late, stands) = (self.barrier.sent(&line.text), self.place.commanded.sent(&line.text));
-        // Where the axes stand still in any case, another stop leaves no mark.
-        self.is_due = is_late && !self.tells_buffers || stands;
+        // Where the axes stand still in any case, another stop leaves no mark. After rapid moves it shows that no earlier line was lost.
+        self.is_due = is_late || stands;
         Ok(())
     }
 
@@ -269,6 +287,10 @@ impl Dialogue for Grbl {
         if self.state == State::Asking && self.has_answered && is_quiet && self.asked == 0 {
             self.ask(now, wire);
         }
+        if self.state == State::Zeroing && now.saturating_sub(self.moved) > self.patience {
+            // It does not know the question. Its reports still have the offset in force.
+            (self.state, self.asked) = (State::Looking, 0);
+        }
         let every = if self.is_drained { ASK_SOON } else { ASK_EVERY };
         let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
         let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
@@ -300,25 +322,40 @@ impl Dialogue for Grbl {
         (self.in_flight.len(), self.bytes)
     }
 
+    fn expect(&mut self, zero: ExpectedZero) {
+        self.zero.expect(zero);
+    }
+
+    fn asks_zero(&self) -> bool {
+        true
+    }
+
+    fn leave(&mut self, wire: &mut Wire) -> Option<String> {
+        // After the dwell that follows the last line, nothing waits.
+        if self.in_flight.is_empty() && (self.is_drained || self.is_finished()) {
+            return None;
+        }
+        wire.push_urgent(HOLD);
+        Some("a feed hold (!) was sent".to_owned())
+    }
+
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
-        let lines = self.in_flight.len();
+        let lines = counted(self.in_flight.len(), "unanswered line");
+        let planned = self.depth.words();
+        let all = if self.in_flight.is_empty() { planned } else { format!("{lines} and {planned}") };
         match halt {
-            Halt::Stop => Some(format!(
-                "no further line is sent; the control executes the {lines} that it has not answered and {}",
-                self.depth.words()
-            )),
+            Halt::Stop => Some(format!("no further line is sent; the control executes {all}")),
             Halt::Hold => {
                 wire.push_urgent(HOLD);
                 Some(format!(
-                    "the axes stop, the spindle keeps turning; {lines} unanswered lines and {} stay in the control and continue with cycle start (~)",
-                    self.depth.words()
+                    "the axes stop, the spindle keeps turning; {all} stay in the control and continue with cycle start (~)"
                 ))
             }
             Halt::Abort => {
                 wire.clear();
                 wire.push_urgent(RESET);
                 self.state = State::Over;
-                Some(format!("the control is reset; its {lines} lines are discarded"))
+                Some(format!("the control is reset; it discards {all}"))
             }
         }
     }

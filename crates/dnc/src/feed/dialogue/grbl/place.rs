@@ -36,7 +36,7 @@ pub(super) struct ReportedPlace {
 }
 
 /// Reads numbers with commas; `None` if one cannot be read.
-fn numbers(text: &str) -> Option<Vec<(f64, usize)>> {
+pub(super) fn numbers(text: &str) -> Option<Vec<(f64, usize)>> {
     text.split(',').take(LETTERS.len()).map(number).collect()
 }
 

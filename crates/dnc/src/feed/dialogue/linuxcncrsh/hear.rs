@@ -8,11 +8,13 @@
 //! | none under way | `error: …`, `warning: …` | kept for the line |
 //! | line sent | `SET MDI ACK`, `SET MDI NAK` | it was received; it was not received, and nothing of it moves |
 //! | running, asked | `PROGRAM_STATUS RUNNING`, `PAUSED`, `IDLE` | it runs; a person holds it; it has ended |
-//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | executed or not, state unchanged or not |
+//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ABS_CMD_POS`, `REL_CMD_POS`, `ERROR` in this order | executed or not, state unchanged or not, position |
+//! | showing | `OPERATOR_DISPLAY …` | the printed zero offsets, or a message of another program |
 //! | aborting | `SET ABORT …` | it has stopped; everything before it is skipped |
 
 use std::time::Duration;
 
+use super::place::numbers;
 use super::{CHECKS, Event, MOST_MESSAGES, Rsh, Stage, Wire};
 use crate::feed::dialogue::answers::{impossible, shown};
 
@@ -52,6 +54,7 @@ impl Rsh {
                 self.pause(answer.ends_with("PAUSED"), events);
             }
             (Stage::Checking, _) => self.check(answer, now, wire, events),
+            (Stage::Showing, _) => self.show(answer, now, wire, events),
             _ => self.is_none(answer, events),
         }
     }
@@ -69,6 +72,8 @@ impl Rsh {
             2 => said("MACHINE ").map(|state| seen.is_on = state == "ON"),
             3 => said("MODE ").map(|mode| seen.is_mdi = mode == "MDI"),
             4 => said("SPINDLE").map(|state| seen.turns = !state.ends_with("OFF")),
+            5 => said("ABS_CMD_POS ").and_then(numbers).map(|all| self.place.absolute = all),
+            6 => said("REL_CMD_POS ").and_then(numbers).map(|all| self.place.relative = all),
             _ => said("ERROR ").map(|_| ()),
         };
         if is_next.is_none() {
@@ -76,15 +81,32 @@ impl Rsh {
         }
         line.answered += 1;
         if answer == "ERROR OK" {
-            self.conclude(now, events);
+            if line.number == 0 && line.is_asking {
+                line.stage = Stage::Showing;
+                return wire.push(b"get operator_display\r\n");
+            }
+            self.conclude(now, wire, events);
         } else if let Some(message) = answer.strip_prefix("ERROR ") {
             self.messages.push(message.to_owned());
             if self.messages.len() >= MOST_MESSAGES {
-                self.conclude(now, events);
+                self.conclude(now, wire, events);
             } else {
                 wire.push(b"get error\r\n");
             }
         }
+    }
+
+    /// Handles an answer to the question for printed parameters. Messages of others may come first.
+    fn show(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let Some(message) = answer.strip_prefix("OPERATOR_DISPLAY ") else { return self.is_none(answer, events) };
+        if message != "OK" && !self.printed(message) {
+            events.push(Event::Said(answer.to_owned()));
+            self.others += 1;
+            if self.others < MOST_MESSAGES {
+                return wire.push(b"get operator_display\r\n");
+            }
+        }
+        self.conclude(now, wire, events);
     }
 
     pub(super) fn is_none(&mut self, answer: &str, events: &mut Vec<Event>) {

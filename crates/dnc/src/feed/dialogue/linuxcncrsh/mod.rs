@@ -5,17 +5,22 @@
 //! as if nothing had happened: an unnoticed gap. So only one line is under way, and the axes stop between two lines.
 //!
 //! A person or another program may abort a line at the control; the control then reports the line as done. This is detected if the machine or its mode
-//! changed, if the turning spindle stopped, or if the line took far less time than it can. Otherwise it is not detected. Nothing here switches the machine on
-//! or homes it: that is left to a person at the machine.
+//! changed, if the turning spindle stopped, if the line took far less time than it can, or if the control is not at the end of the line ([`place`]). Nothing
+//! here switches the machine on or homes it: that is left to a person at the machine.
 
 mod hear;
+mod place;
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::answers::Answers;
 use super::greeting::{self, Reply};
 use super::mdi::{Words, words};
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::position::{CommandedPosition, PositionComparison, elsewhere};
+use super::zeros::{ZeroSource, ZeroWatch};
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
+use place::StatedPlace;
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -43,7 +48,11 @@ const NOTICED: Duration = Duration::from_secs(1);
 /// Command before the first line: only a comment, which shows that MDI is accepted.
 const TRIAL: &[u8] = b"(ncfix)";
 /// Questions after a line; the answer to the last one ends the exchange.
-const CHECKS: &[u8] = b"set wait done\r\nget enable\r\nget machine\r\nget mode\r\nget spindle 0\r\nget error\r\n";
+const CHECKS: &[u8] = b"set wait done\r\nget enable\r\nget machine\r\nget mode\r\nget spindle 0\r\nget abs_cmd_pos\r\nget rel_cmd_pos\r\nget error\r\n";
+/// Number of answers to [`CHECKS`] before the positions, the questions for them again, and how often they are asked.
+const BEFORE_PLACE: usize = 5;
+const PLACE_AGAIN: &[u8] = b"get abs_cmd_pos\r\nget rel_cmd_pos\r\nget error\r\n";
+const MOST_LOOKS: u32 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
@@ -64,6 +73,8 @@ enum Stage {
     Sent,
     Running,
     Checking,
+    /// The printed parameters are awaited.
+    Showing,
 }
 
 struct UnderWay {
@@ -78,6 +89,8 @@ struct UnderWay {
     is_done: bool,
     /// Number of answered questions after the line.
     answered: usize,
+    /// True if the line prints parameters.
+    is_asking: bool,
 }
 
 struct Rsh {
@@ -97,6 +110,16 @@ struct Rsh {
     has_ended: bool,
     /// Number of consecutive timeouts.
     stalls: u32,
+    zero: ZeroWatch,
+    /// Lines that print parameters, before the first line of the program.
+    questions: VecDeque<Vec<u8>>,
+    commanded: CommandedPosition,
+    place: StatedPlace,
+    /// Number of positions that differed, and the axes of the last one that agreed.
+    looks: u32,
+    agreed: Option<String>,
+    /// Number of messages of other programs before the first line.
+    others: usize,
 }
 
 /// Last reported state of the control.
@@ -132,6 +155,13 @@ fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
         messages: Vec::new(),
         has_ended: false,
         stalls: 0,
+        zero: ZeroWatch::new(ZeroSource::LinuxCnc),
+        questions: VecDeque::new(),
+        commanded: CommandedPosition::default(),
+        place: StatedPlace::default(),
+        looks: 0,
+        agreed: None,
+        others: 0,
     }))
 }
 
@@ -152,6 +182,9 @@ impl Rsh {
     }
 
     fn answer_step(&mut self, step: usize, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if let Some(unit) = answer.strip_prefix("USER_LINEAR_UNITS ") {
+            self.place.unit_mm = place::unit_mm(unit);
+        }
         match greeting::answer(step, answer) {
             Reply::Next(next) => self.ask_step(next, now, wire),
             Reply::Message(_) if self.messages.len() >= MOST_MESSAGES => {
@@ -191,6 +224,7 @@ impl Rsh {
             is_received: true,
             is_done: true,
             answered: 0,
+            is_asking: number == 0 && text != TRIAL,
         });
     }
 
@@ -206,7 +240,7 @@ impl Rsh {
     }
 
     /// Evaluates the line under way once all its answers have come.
-    fn conclude(&mut self, now: Duration, events: &mut Vec<Event>) {
+    fn conclude(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(line) = self.under_way.take() else { return };
         let said = std::mem::take(&mut self.messages).join("; ");
         let which =
@@ -237,12 +271,44 @@ impl Rsh {
             let why = "ended much sooner than possible: it was aborted, or resumed, at the control";
             self.lost(&format!("line {} {why}", line.number), events);
         } else if line.number == 0 {
-            self.state = State::Open;
+            self.ask_or_open(now, wire, events);
+        } else if let Some(why) = self.compare_zero() {
+            self.lost(&why, events);
         } else {
-            self.has_ended |= line.words.ends;
-            events.push(Event::Acknowledged(line.number));
-            events.push(Event::Executed(line.number));
+            match self.compare_place() {
+                PositionComparison::Differs(_) if self.looks < MOST_LOOKS => {
+                    self.looks += 1;
+                    self.under_way = Some(UnderWay { answered: BEFORE_PLACE, ..line });
+                    wire.push(PLACE_AGAIN);
+                }
+                PositionComparison::Differs(why) => self.lost(&format!("{} {which}", elsewhere(&why)), events),
+                compared => {
+                    let agreed = if let PositionComparison::Agrees(axes) = compared { Some(axes) } else { None };
+                    (self.looks, self.agreed) = (0, agreed);
+                    self.has_ended |= line.words.ends;
+                    events.push(Event::Acknowledged(line.number));
+                    events.push(Event::Executed(line.number));
+                }
+            }
         }
+    }
+
+    /// Asks the next question for the zero offsets; after the last one, compares them and opens.
+    fn ask_or_open(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if let Some(question) = self.questions.pop_front() {
+            return self.send_line(0, &question, Duration::ZERO, now, wire);
+        }
+        if self.zero.is_expected() && !self.zero.is_complete() {
+            events.push(Event::Said(format!(
+                "the control does not print its zero offsets for ncfix, perhaps because another screen has read the message: compare {} at the control, with its rotation R, G92 and the tool length",
+                self.zero.by_hand()
+            )));
+        }
+        if let Some(why) = self.zero.begin() {
+            return self.lost(&why, events);
+        }
+        events.extend(self.zero.stated().map(Event::ZeroOffsets));
+        self.state = State::Open;
     }
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
@@ -294,6 +360,7 @@ impl Dialogue for Rsh {
         if self.has_ended && !found.is_empty && line.text.trim_ascii() != b"%" {
             return Err("the program has ended before it, with M2 or M30".into());
         }
+        self.follow(&line.text);
         self.send_line(line.number, &line.text, line.busy(), now, wire);
         Ok(())
     }
@@ -334,6 +401,10 @@ impl Dialogue for Rsh {
                 _ => {}
             }
         }
+        if self.state == State::Closed && self.under_way.is_none() {
+            events.extend(self.agreed.take().map(Event::InPosition));
+            return;
+        }
         let is_waiting = self.under_way.is_some() || !matches!(self.state, State::Open | State::Closed);
         if is_waiting && now.saturating_sub(self.last_heard) > self.patience {
             self.stalls += 1;
@@ -353,7 +424,16 @@ impl Dialogue for Rsh {
     }
 
     fn is_done(&self, _wire: &Wire) -> bool {
-        self.state == State::Closed && self.under_way.is_none()
+        self.state == State::Closed && self.under_way.is_none() && self.agreed.is_none()
+    }
+
+    fn expect(&mut self, zero: ExpectedZero) {
+        self.questions = place::questions(&zero.used()).into();
+        self.zero.expect(zero);
+    }
+
+    fn asks_zero(&self) -> bool {
+        true
     }
 
     fn in_flight(&self) -> (usize, usize) {

@@ -19,6 +19,7 @@
 //! | | temperatures, positions, capabilities, memory cards, notices | shown; the list is in [`super::texts`] |
 //! | opening | any other text | shown: nothing has been sent yet |
 //! | asked with `M114` | a position | compared with that of the lines sent |
+//! | asked with `M114 D` | `Logical:`, `Raw:` and further positions | the zero offset in force |
 //! | closing | the text of the mark, `ok` | all moves are done |
 //! | any but opening | a greeting | it was reset |
 //! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped, or omits moves |
@@ -118,7 +119,7 @@ impl Marlin {
             if let Some(last) = low.rsplit_once("last line").and_then(|(_, last)| number(last)) {
                 self.name(last, events);
             }
-        } else if is(UNKNOWN) && self.is_under_way(What::Where) {
+        } else if is(UNKNOWN) && (self.is_under_way(What::Where) || self.is_under_way(What::Zero)) {
             // Firmware without this question: its position is not compared.
         } else if is(UNKNOWN) && self.under_way.is_some() && self.state != State::Opening {
             // It would skip a zero offset or a tool length and continue.
@@ -136,6 +137,8 @@ impl Marlin {
             && let Some(reported) = position(text)
         {
             self.reported = reported;
+        } else if self.is_under_way(What::Zero) && self.hear_detail(text) {
+            // Compared when the answer is complete.
         } else {
             self.text(text, events);
         }

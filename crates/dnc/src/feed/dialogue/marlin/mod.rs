@@ -6,15 +6,17 @@
 //! its way; without the silence every further line would be sent twice.
 //!
 //! Numbers begin far above those of a control that was reset, which asks for line 1. So a reset is detected even if its greeting was lost. The control waits
-//! for all moves (`M400`) and repeats a text (`M118`) before the first line, after the last line, and now and then if answers have no number
+//! for all moves (`M400`) and repeats a text (`M118`) before the first line, after the last line, and now and then
 //! ([`super::barrier`]). An `ok` has no number, but after the text no earlier answer is outstanding. Between the two it asks for the position (`M114`), which
-//! must be that of the lines sent ([`super::position`]).
+//! must be that of the lines sent ([`super::position`]). It also asks for the zero offset in force ([`zero`]), before the first line and after a line that
+//! selects another one.
 //!
 //! The lines of the program come here as commands of one line each ([`commands`]).
 
 mod commands;
 mod hear;
 mod texts;
+mod zero;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -23,8 +25,10 @@ use super::answers::Answers;
 use super::barrier::Barrier;
 use super::depth::Depth;
 use super::position::{CommandedPosition, PositionComparison, elsewhere};
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::zeros::{ZeroSource, ZeroWatch};
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
 use commands::MarlinCommands;
+use zero::{DETAIL, StatedOffset};
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -81,6 +85,8 @@ enum What {
     Wait,
     /// `M114`, which returns the position.
     Where,
+    /// `M114 D`, which returns the position in both coordinates.
+    Zero,
     /// `M118`, whose text is returned.
     Mark,
     /// Line of the program with this number.
@@ -129,7 +135,7 @@ struct Marlin {
     /// True if the hold was reported.
     is_held: bool,
     barrier: Barrier,
-    /// True if the control is to stop after the line under way, unless its answer has a number.
+    /// True if the control is to stop after the line under way.
     is_due: bool,
     /// True if its axes stand still after the line under way in any case.
     stands: bool,
@@ -139,6 +145,10 @@ struct Marlin {
     looks: u32,
     /// Axes that agree.
     agreed: Option<String>,
+    zero: ZeroWatch,
+    offset: StatedOffset,
+    /// True if the control is to stop after the question for the offset.
+    waits_then: bool,
     heard: Answers,
     last_heard: Duration,
 }
@@ -173,6 +183,9 @@ impl Marlin {
             reported: Vec::new(),
             looks: 0,
             agreed: None,
+            zero: ZeroWatch::new(ZeroSource::Marlin),
+            offset: StatedOffset::default(),
+            waits_then: false,
             heard: Answers::default(),
             last_heard: Duration::ZERO,
         }
@@ -236,11 +249,26 @@ impl Marlin {
                 if is_checked {
                     events.push(Event::Checked(line));
                 }
-                if std::mem::take(&mut self.is_due) && !is_checked || std::mem::take(&mut self.stands) {
-                    self.begin((What::Wait, self.moves()), WAIT, now, wire);
+                let is_due = std::mem::take(&mut self.is_due);
+                self.waits_then = std::mem::take(&mut self.stands) || is_due;
+                if std::mem::take(&mut self.offset.is_selected) {
+                    self.begin((What::Zero, self.moves()), DETAIL, now, wire);
+                } else {
+                    self.wait_if_due(now, wire);
+                }
+            }
+            What::Zero => {
+                let is_opening = self.state == State::Opening;
+                match self.compare_zero(is_opening, events) {
+                    Some(why) => self.lost(&why, events),
+                    None if is_opening => self.mark(now, wire),
+                    None => self.wait_if_due(now, wire),
                 }
             }
             What::Count => self.begin((What::Wait, Duration::ZERO), WAIT, now, wire),
+            What::Wait if self.state == State::Opening && self.zero.is_expected() => {
+                self.begin((What::Zero, Duration::ZERO), DETAIL, now, wire);
+            }
             What::Wait if self.state == State::Opening || !self.commanded.is_known() => self.mark(now, wire),
             What::Wait => {
                 (self.looks, self.agreed) = (0, None);
@@ -272,6 +300,13 @@ impl Marlin {
         }
     }
 
+    /// Waits for all moves if that is due after the line that was taken.
+    fn wait_if_due(&mut self, now: Duration, wire: &mut Wire) {
+        if std::mem::take(&mut self.waits_then) {
+            self.begin((What::Wait, self.moves()), WAIT, now, wire);
+        }
+    }
+
     /// Sends the text under way again. If the control demands the next line, it was taken.
     fn repeat(&mut self, number: u64, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(sent) = &self.under_way else { return };
@@ -291,7 +326,7 @@ impl Marlin {
                     "the control does not repeat the text of M118, so answers cannot be distinguished".to_owned()
                 }
                 What::Wait => "the control does not become idle, or does not answer".to_owned(),
-                What::Count | What::Where | What::Mark => "the control does not answer".to_owned(),
+                What::Count | What::Where | What::Zero | What::Mark => "the control does not answer".to_owned(),
             };
             self.lost(&why, events);
         } else if is_taken {
@@ -344,6 +379,7 @@ impl Dialogue for Marlin {
         }
         self.is_due = self.barrier.sent(&line.text);
         self.stands = self.commanded.sent(&line.text);
+        self.offset.is_selected = self.zero.sent(&line.text) && self.offset.is_known;
         self.begin((What::Line(line.number), line.busy()), &line.text, now, wire);
         Ok(())
     }
@@ -391,6 +427,14 @@ impl Dialogue for Marlin {
 
     fn is_done(&self, _wire: &Wire) -> bool {
         self.state == State::Closed
+    }
+
+    fn expect(&mut self, zero: ExpectedZero) {
+        self.zero.expect(zero);
+    }
+
+    fn asks_zero(&self) -> bool {
+        true
     }
 
     fn in_flight(&self) -> (usize, usize) {

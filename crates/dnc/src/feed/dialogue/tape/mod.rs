@@ -10,6 +10,7 @@ mod hear;
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use super::answers::counted;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use crate::feed::profile::Flow;
 
@@ -233,6 +234,11 @@ impl Dialogue for Tape {
         self.state == State::Closed && self.lines.is_empty() && !self.is_waiting(wire)
     }
 
+    fn waits_for(&self) -> Option<&'static str> {
+        let waits = self.state == State::Waiting;
+        waits.then_some("waiting for XON: start reading at the control")
+    }
+
     fn in_flight(&self) -> (usize, usize) {
         (self.lines.len(), (self.total as f64 - self.gone).max(0.0) as usize)
     }
@@ -240,9 +246,10 @@ impl Dialogue for Tape {
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
         let keeps = "the control executes what is in its buffer; this link does not report how much that is";
         match halt {
+            Halt::Stop if self.lines.is_empty() => Some(format!("no further line is started; {keeps}")),
             Halt::Stop => Some(format!(
-                "no further line is started; the {} lines in progress are still sent, and {keeps}",
-                self.lines.len()
+                "no further line is started; {} in progress will still be sent, and {keeps}",
+                counted(self.lines.len(), "line")
             )),
             // Such a link has no command for it: feed hold is a key at the control.
             Halt::Hold => None,

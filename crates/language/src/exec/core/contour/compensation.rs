@@ -19,7 +19,7 @@ use super::unknown;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AxisVector, PlaneBasis};
+use ncfix_base::geometry::{AxisSet, AxisVector, PlaneBasis};
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::MotionMode;
 
@@ -67,6 +67,18 @@ pub(super) struct Compensation {
     pub(super) tracking: Option<Box<Tracking>>,
     /// G43, G44: the tool position beside the programmed end.
     pub(super) reached: Option<Box<AxisVector>>,
+    /// A machine position directly after G40, or a lost position: the axes that are still beside the programmed position.
+    pub(super) departed: Option<Box<Departed>>,
+}
+
+/// The tool after a machine position directly after a lone G40, or after it has lost its position there.
+#[derive(Debug)]
+pub(super) struct Departed {
+    pub(super) position: AxisVector,
+    /// Axes that are beside the programmed position.
+    pub(super) open: AxisSet,
+    /// `true` if only the machine knows where they are.
+    pub(super) is_lost: bool,
 }
 
 /// State of active compensation.
@@ -89,12 +101,13 @@ pub(super) struct Active {
 
 impl Compensation {
     pub(super) fn new(control: &Control, keeps_wear: bool) -> Compensation {
-        Compensation { limits: Limits::new(control, keeps_wear), active: None, tracking: None, reached: None }
+        let limits = Limits::new(control, keeps_wear);
+        Compensation { limits, active: None, tracking: None, reached: None, departed: None }
     }
 
     /// `true` if following items must wait or begin at another position than programmed.
     pub(super) fn is_holding(&self) -> bool {
-        self.active.is_some() || self.tracking.is_some() || self.reached.is_some()
+        self.is_on() || self.reached.is_some() || self.departed.is_some()
     }
 
     /// `true` if the tool is beside the contour.
@@ -112,6 +125,8 @@ impl Compensation {
         let item = if self.limits.keeps_wear { self.told(item, findings) } else { item };
         let Some(item) = self.track(item, out, findings) else { return };
         let Some(item) = self.reach(item, out, findings) else { return };
+        self.part(&item, out, findings);
+        let item = self.after_departure(item, findings);
         let moving = match item {
             Item::Path(moving)
                 if moving.is_plane_motion() || moving.goes_off_contour() || moving.wish.soft.is_some() =>
@@ -135,7 +150,9 @@ impl Compensation {
             }
             None => self.begin(moving, out, findings),
             Some(mut active) => {
-                if let Some(found) = active.objection(&moving) {
+                if active.departs(&moving, &self.limits) {
+                    self.departed = active.depart(moving, &self.limits, out, findings);
+                } else if let Some(found) = active.objection(&moving) {
                     findings.push(found);
                     active.flush(out);
                     out.push(Item::Path(moving));

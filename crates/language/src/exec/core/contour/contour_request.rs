@@ -27,7 +27,7 @@ pub(in crate::exec) enum Approach {
     Polynomial,
 }
 
-/// The contours on which F applies if the tool moves beside them: CFC, CFTCP, CFIN.
+/// The contours on which F applies if the tool moves beside them: CFC, CFTCP, CFIN, and setting 44 of a Haas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum FeedAt {
     /// The contour.
@@ -35,8 +35,8 @@ pub(in crate::exec) enum FeedAt {
     Contour,
     /// The tool center.
     Center,
-    /// The contour of inner arcs, the tool center elsewhere.
-    InnerContour,
+    /// The contour of inner arcs, down to this share of F, percent; the tool center elsewhere.
+    InnerContour(u8),
 }
 
 /// Side of soft approach and retraction: G140 to G143.

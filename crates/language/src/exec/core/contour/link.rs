@@ -142,6 +142,6 @@ fn feed_share(at: FeedAt, contour: &Curve, curve: &Curve) -> f64 {
     match at {
         FeedAt::Center => 1.0,
         FeedAt::Contour => beside / radius,
-        FeedAt::InnerContour => (beside / radius).min(1.0),
+        FeedAt::InnerContour(least_percent) => (beside / radius).max(f64::from(least_percent) / 100.0).min(1.0),
     }
 }

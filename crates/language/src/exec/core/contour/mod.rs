@@ -11,11 +11,13 @@ mod compensation;
 mod contour_request;
 mod corner;
 mod curve;
+mod departure;
 #[cfg(test)]
 mod fixture;
 mod gap;
 mod guard;
 mod link;
+mod lost;
 mod moving;
 mod reach;
 mod rs274;

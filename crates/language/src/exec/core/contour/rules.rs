@@ -22,7 +22,11 @@ impl ContourModal {
             CompensationStart::B => Approach::Own,
         };
         let sharp = control.compensation_corner != Some(CompensationCorner::Circular);
-        ContourModal { rules: Rules::Fanuc, approach, sharp, feed_at: FeedAt::Center, ..ContourModal::default() }
+        let feed_at = match control.iso.least_arc_feed_percent {
+            100 => FeedAt::Center,
+            least => FeedAt::InnerContour(least),
+        };
+        ContourModal { rules: Rules::Fanuc, approach, sharp, feed_at, ..ContourModal::default() }
     }
 
     /// Rules of LinuxCNC.

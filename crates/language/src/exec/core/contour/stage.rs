@@ -13,7 +13,7 @@ use ncfix_machine::snc::Origin;
 pub(in crate::exec) struct ContourStage {
     pub(super) open: Option<OpenLine>,
     transitions: Transitions,
-    compensation: Compensation,
+    pub(super) compensation: Compensation,
     between: Vec<Item>,
     /// Faults found so far.
     pub(in crate::exec) findings: Vec<Fault>,
@@ -34,6 +34,11 @@ impl ContourStage {
     /// `true` if something is held, so that following items must wait.
     pub(in crate::exec) fn is_holding(&self) -> bool {
         self.open.is_some() || self.transitions.is_holding() || self.compensation.is_holding()
+    }
+
+    /// `true` if an element waits for the one after a rounding or chamfer.
+    pub(super) fn holds_transition(&self) -> bool {
+        self.transitions.is_holding()
     }
 
     /// Records a read access to the main run: the control looks no further ahead.

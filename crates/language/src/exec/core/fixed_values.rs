@@ -1,0 +1,47 @@
+//! Zero offsets and tool values of the control that a program reads to compute a position or a condition. The output has the number, or the branch, so it is
+//! right only while the control has the values of the machine file. The first such place is named.
+
+use std::cell::Cell;
+
+use super::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+
+/// The first use of a value of the control in a run.
+#[derive(Clone, Debug, Default)]
+pub(in crate::exec) struct FixedValues {
+    /// A use that is not named yet.
+    new: Cell<Option<Span>>,
+    /// True if one was named: the others have the same remedy.
+    is_named: Cell<bool>,
+    /// True while a cycle of ncfix runs: the control executes its own one, or the output has the moves.
+    is_muted: Cell<bool>,
+}
+
+impl FixedValues {
+    /// Notes a use.
+    pub(in crate::exec) fn note(&self, span: Span) {
+        if !self.is_muted.get() && !self.is_named.get() && self.new.get().is_none() {
+            self.new.set(Some(span));
+        }
+    }
+
+    /// Notes nothing while a cycle of ncfix runs.
+    pub(in crate::exec) fn mute(&self, is_muted: bool) {
+        self.is_muted.set(is_muted);
+    }
+
+    /// Forgets a use that is not named yet: the output keeps the computation.
+    pub(in crate::exec) fn forget(&self) {
+        self.new.set(None);
+    }
+
+    /// Takes the warning of a use that is not named yet.
+    pub(in crate::exec) fn take(&self) -> Option<Fault> {
+        let span = self.new.take()?;
+        self.is_named.set(true);
+        let message = "a zero offset or tool value of the control decides a position or a condition; the output has the number, or the branch, that it gives now";
+        let help = "correct the program again after each change of these values; --guard lets the control stop if a zero offset or tool length differs, but it does not compare radii";
+        Some(fault(Code::VALUE_FIXED, span, message, help))
+    }
+}
