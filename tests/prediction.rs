@@ -218,7 +218,7 @@ enum MissingData {
 const THREE: &str = "[machine]\nname = \"three\"\ntopology = \"wFXYZt\"\n\
     [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 400]\n\
     [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 500]\n[control]\ninitial_zero_offset = \"G500\"\nincrement_mm = 0.0001\n\
-    [[tool]]\nnumber = 1\nlength_mm = 150\n[location]\nEA0S = 0.0\nEB0S = 0.0\n";
+    [[tool]]\nnumber = 1\nlength_mm = 150\n[location]\nEA0S = 0.0\nEB0S = 0.0\n[uncertainty]\nEA0S = [1e-7]\nEB0S = [1e-7]\n";
 const FIVE: &str = "[machine]\nname = \"five\"\ntopology = \"wCAYFXZt\"\n\
     [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-250, 250]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-250, 250]\n\
     [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 500]\n[axis.A]\ndirection = [-1, 0, 0]\npoint_mm = [0, 0, -40]\ntravel_deg = [-60, 60]\n\
@@ -597,7 +597,7 @@ fn the_true_error_lies_in_the_predicted_interval() {
     // Of 40 cases with a probability of 95 % each, fewer than 34 are in the interval once in 300 times.
     assert!(found.hits.iter().all(|&hits| hits + found.refused >= 34), "{:?}", found.hits);
     // Green needs measured axes and a certain gain: about a quarter of these machines.
-    assert!(found.green > 5 && found.refused < 4, "{} {}", found.green, found.refused);
+    assert!(found.green > 10 && found.refused < 4, "{} {}", found.green, found.refused);
 }
 
 #[test]

@@ -216,7 +216,7 @@ fn a_line_about_the_sign_of_a_ball_bar_is_used() {
 fn a_calibrated_length_needs_its_uncertainty() {
     let shop = shop()
         .file("plain.csv", circle(""))
-        .file("cert.csv", circle("Calibrated length;150.0012\nUncertainty of calibrator (k=2);0.5 um\n"))
+        .file("cert.csv", circle("Calibrated length;150,0012\nUncertainty of calibrator (k=2);0.5 um\n"))
         .file("open.csv", circle("Uncertainty of calibrator;0.5 um\n"));
     let calibrated: &[&str] = &["--length", "calibrated"];
     import(&shop, "plain.csv", "tool.toml", &[CENTER, calibrated].concat())

@@ -297,7 +297,8 @@ impl Control for Rsh {
     fn tick(&mut self, now_s: f64) {
         if self.faults.broken_off_s.is_some_and(|at| now_s >= at) && !self.was_broken {
             self.was_broken = true;
-            self.unseen = !self.turns;
+            // An abort while nothing runs or waits loses no line.
+            self.unseen = !self.turns && !self.is_idle();
             self.break_off();
         }
         if self.taken_over_s.is_some_and(|at| now_s >= at) {

@@ -24,8 +24,8 @@ pub(super) struct CircleFacts {
     pub(super) radius_mm: Option<(f64, usize)>,
     /// True if the deviations refer to the calibrated length of the bar.
     calibrated: Option<(bool, usize)>,
-    /// Line with the calibrated length itself, which does not say to which length the deviations refer.
-    certified: Option<(f64, usize)>,
+    /// Line with the calibrated length itself, or a text in its place: it does not say to which length the deviations refer.
+    certified: Option<(String, usize)>,
     /// Uncertainty of the calibrated length, µm, with its coverage factor; `None` if its unit or the factor is not stated.
     length_sigma: Option<(Option<f64>, usize)>,
     /// Feed, mm/min.
@@ -130,7 +130,7 @@ impl CircleFacts {
                 Ok(said)
             }
             (None, None) if self.certified.is_some() => {
-                let line = self.certified.map_or(0, |(_, line)| line);
+                let line = self.certified.as_ref().map_or(0, |(_, line)| *line);
                 let sentence = format!(
                     "line {line} states the calibrated length of the bar, and not whether the deviations refer to it"
                 );
@@ -382,8 +382,10 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
         } else if has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]) {
             take(&mut found.radius_mm, length_mm, line, conflict);
         } else if CALIBRATED.iter().any(|own| name.starts_with(own)) && !is_length_sigma(&key) {
-            take(&mut found.calibrated, yes(&value), line, conflict);
-            take(&mut found.certified, length_mm, line, conflict);
+            let said = yes(&value);
+            let length = said.is_none().then(|| value.clone()).filter(|value| !value.is_empty());
+            take(&mut found.calibrated, said, line, conflict);
+            take(&mut found.certified, length, line, conflict);
         } else if is_length_sigma(&key) {
             take(&mut found.length_sigma, Some(length_sigma(&key, &value, number, unit)), line, conflict);
         } else if has(&["feed", "vorschub", "avance", "avanzamento"]) {

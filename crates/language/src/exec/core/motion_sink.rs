@@ -192,7 +192,7 @@ impl<'a> MotionSink<'a> {
 
     /// Reports a motion that the contour stage changes and that depends on a position that the program has not stated.
     pub(in crate::exec) fn check_stated(&mut self, path: &Path, wish: &ContourRequest, plane: Plane) {
-        if !self.contour.parts(path, wish) {
+        if !self.contour.ends_by_loss(path, wish) {
             self.warnings.extend(unstated(path, wish, plane));
         }
     }

@@ -122,6 +122,8 @@ struct Grbl {
     is_due: bool,
     has_barrier: bool,
     is_drained: bool,
+    /// True if the transfer was lost before its last line.
+    ended_early: bool,
     /// The refused line, and the answer of the control.
     refusal: (u64, String),
     refused_at: Duration,
@@ -165,6 +167,7 @@ impl Grbl {
             is_due: false,
             has_barrier: false,
             is_drained: false,
+            ended_early: false,
             refusal: (0, String::new()),
             refused_at: Duration::ZERO,
             surplus: 0,
@@ -221,6 +224,7 @@ impl Grbl {
     }
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.ended_early = self.state == State::Open;
         self.state = State::Over;
         events.push(Event::Lost(why.to_owned()));
     }
@@ -331,8 +335,8 @@ impl Dialogue for Grbl {
     }
 
     fn leave(&mut self, wire: &mut Wire) -> Option<String> {
-        // After the dwell that follows the last line, nothing waits.
-        if self.in_flight.is_empty() && (self.is_drained || self.is_finished()) {
+        // After the dwell that follows the last line, nothing waits. At a dwell within the program the control rests, but a person must look at it first.
+        if self.in_flight.is_empty() && (self.is_drained && !self.ended_early || self.is_finished()) {
             return None;
         }
         wire.push_urgent(HOLD);

@@ -125,7 +125,7 @@ impl Compensation {
         let item = if self.limits.keeps_wear { self.told(item, findings) } else { item };
         let Some(item) = self.track(item, out, findings) else { return };
         let Some(item) = self.reach(item, out, findings) else { return };
-        self.part(&item, out, findings);
+        self.end_by_loss(&item, out, findings);
         let item = self.after_departure(item, findings);
         let moving = match item {
             Item::Path(moving)

@@ -15,13 +15,13 @@ use ncfix_base::geometry::AxisSet;
 
 impl ContourStage {
     /// `true` for a motion after a lone G40 that does not depend on the position in the plane, because that was lost between them.
-    pub(in crate::exec) fn parts(&self, path: &Path, wish: &ContourRequest) -> bool {
-        self.open.is_none() && !self.holds_transition() && self.compensation.parts(path, wish)
+    pub(in crate::exec) fn ends_by_loss(&self, path: &Path, wish: &ContourRequest) -> bool {
+        self.open.is_none() && !self.holds_transition() && self.compensation.ends_by_loss(path, wish)
     }
 }
 
 impl Compensation {
-    fn parts(&self, path: &Path, wish: &ContourRequest) -> bool {
+    fn ends_by_loss(&self, path: &Path, wish: &ContourRequest) -> bool {
         let is_plain = !wish.compensates()
             && wish.modal.reach == Reach::End
             && wish.corner.is_none()
@@ -33,9 +33,9 @@ impl Compensation {
     }
 
     /// Ends the contour before such a motion.
-    pub(super) fn part(&mut self, item: &Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+    pub(super) fn end_by_loss(&mut self, item: &Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         let Item::Path(moving) = item else { return };
-        if !self.parts(&moving.path, &moving.wish) {
+        if !self.ends_by_loss(&moving.path, &moving.wish) {
             return;
         }
         let Some(mut active) = self.active.take() else { return };
