@@ -48,6 +48,7 @@ mod head;
 mod import;
 mod interval;
 mod machine;
+mod machine_doubts;
 mod measured;
 mod moves;
 mod new_machine;
@@ -68,7 +69,6 @@ mod support_file;
 mod tables;
 mod tool;
 mod travel_trial;
-mod unreachable;
 mod watch;
 mod zero_shift;
 

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use crate::diagnostics::Diagnostics;
-use crate::disk::stated_machine::{MARK, from_head};
+use crate::disk::stated_machine::{FLAT_HEAD, MARK, from_head};
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::program::Program;
@@ -193,15 +193,6 @@ impl<'a> FlatText<'a> {
     }
 }
 
-/// The beginning of the head line of a flat stream.
-const HEAD: &str = "; snc 1";
-
-/// True if a program is already a flat stream.
-pub(crate) fn is_flat(program: &Program) -> bool {
-    let rest = from_head(program.bytes()).strip_prefix(HEAD.as_bytes());
-    rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
-}
-
 /// Reads a flat stream in its text form and writes it again; `None` if there are errors.
 pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Diagnostics) -> Option<Vec<u8>> {
     let (source, machine) = (program.source(), &machine.machine);
@@ -240,7 +231,7 @@ pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Di
 fn of_other_machine(program: &Program, machine: &str) -> Option<Diagnostic> {
     let bytes = program.bytes();
     let start = bytes.len() - from_head(bytes).len();
-    let place = Place { file: program.source().id(), span: Span::new(start, start + HEAD.len()) };
+    let place = Place { file: program.source().id(), span: Span::new(start, start + FLAT_HEAD.len()) };
     let Some(stated) = snc::stated_machine(from_head(bytes)) else {
         let message = "the head line of this flat stream names no machine, or another unit";
         let help = format!("write it as ncfix snc does: ; snc 1 machine={machine} units=mm");

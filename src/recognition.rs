@@ -1,5 +1,6 @@
-//! Refuses programs that do not match the machine file: those of lathes, and of controls whose language is not supported.
+//! Refuses programs that do not match the machine file: those of lathes, of controls whose language is not supported, and flat streams.
 
+use crate::disk::stated_machine::{from_head, is_flat};
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
@@ -8,6 +9,12 @@ use ncfix_dialect::{Dialect, Mark};
 /// The reason why a program must not be read in a dialect.
 pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machine>) -> Option<Diagnostic> {
     let bytes = source.bytes();
+    if is_flat(bytes) {
+        let message = "this is a flat stream that ncfix snc has printed, not a program of a control";
+        let help = "give the program that it was printed from: its positions contain zero offset and tool already, so a control must not execute them";
+        let at = bytes.len() - from_head(bytes).len();
+        return Some(Diagnostic::at(Code::OTHER_CONTROL, line_at(source, at), message, help));
+    }
     if let Some(found) = ncfix_dialect::foreign(bytes) {
         let message = format!("this is {}: '{}'", found.name, found.found);
         let help = "this language is not supported, and its words move the tool differently; post-process the program for the control of the machine file";

@@ -266,7 +266,7 @@ pub(crate) fn assumed_start(
         warn(at, message, help)
     });
     let retraction = cycle.filter(|_| !has_return).map(|at| {
-        let message = "neither the program nor control.startup_code states G98 or G99 before this drilling cycle: G99 is assumed, so the tool moves to the next hole at R";
+        let message = "neither the program nor control.startup_code states G98 or G99 before this drilling cycle: G99 is assumed: the tool moves to the next hole at R, unless the control keeps G98 of an earlier program";
         let help = "write G98 (return to the initial level) or G99 (to R) before the cycle, or state startup_code in [control]";
         warn(at, message, help)
     });

@@ -170,8 +170,8 @@ pub(crate) fn find(
         row(
             "square",
             format!(
-                "its corner is where the axis along the leg has its smallest position: on the way of {leg} mm in the positive direction, the plunger is {change} by \
-                 {:.3} mm. With the corner at the largest position, change the sign of --dial",
+                "on the way of {leg} mm in the positive direction, the plunger is {change} by {:.3} mm; on which side of the path the corner of the square is \
+                 makes no difference",
                 dial.abs()
             ),
         );

@@ -134,6 +134,11 @@ impl FromStr for StatedZero {
                 }
                 None => (None, place),
             };
+            if words.split(',').any(|word| word.trim_start().to_ascii_uppercase().starts_with("L-")) {
+                return Err(format!(
+                    "'{text}' states a negative length L: it is the distance from the spindle nose to the tip of the tool or probe"
+                ));
+            }
             let touch = StatedTouch::read(words).ok_or_else(wrong)?;
             let slot = side.map_or(Some(&mut out.common), |side| out.sides.get_mut(side)).ok_or_else(wrong)?;
             if slot.replace(touch).is_some() {
@@ -253,7 +258,14 @@ mod tests {
         assert!(y.stated.is_empty() && y.direction[Axis::Y.slot()] == -1);
         assert_eq!((z.tool_length_mm, z.command[Axis::Z]), (Some(150.0), 270.0));
         assert_eq!(zero.common.unwrap().radius_mm, Some(5.0));
-        for wrong in ["G54=touched@R5", "G54=touched@", "G54=touched@Q:X1", "G54=touched@X1@X2", "G54=touched@X:Xa"] {
+        for wrong in [
+            "G54=touched@R5",
+            "G54=touched@",
+            "G54=touched@Q:X1",
+            "G54=touched@X1@X2",
+            "G54=touched@X1,L-150",
+            "G54=touched@X:Xa",
+        ] {
             assert!(wrong.parse::<StatedZero>().is_err(), "{wrong}");
         }
     }

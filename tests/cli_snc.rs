@@ -69,6 +69,30 @@ fn a_flat_stream_is_read_and_printed_again() {
     assert!(bad.stderr.contains("bad.snc:3:1"), "{}", bad.stderr);
 }
 
+/// Its words look like those of a control, but contain zero offset and tool already: a correction of it would displace the part by both.
+#[test]
+fn a_flat_stream_is_no_program_of_a_control() {
+    let demo = machine("demo");
+    for head in ["; snc 1 machine=demo units=mm", "\u{feff}\n; snc 1", "; snc 1 machine=other units=mm"] {
+        let shop = Shop::new().file("flat.snc", format!("{head}\nG0 X100 Y200 Z300 ;@1\nG1 X400 Y200 Z300 F500 ;@2\n"));
+        let commands: [&[&str]; 7] = [
+            &["fix", "flat.snc", "-o", "o.mpf"],
+            &["check", "flat.snc"],
+            &["verify", "flat.snc", "flat.snc"],
+            &["diff", "flat.snc"],
+            &["max-step", "flat.snc"],
+            &["fix", "flat.snc", "--dialect", "rs274", "-o", "o.mpf"],
+            &["check", "--syntax", "flat.snc", "--dialect", "fanuc"],
+        ];
+        for command in commands {
+            let run = shop.run(command.iter().copied().chain(["--machine", &demo]).filter(|word| !word.is_empty()));
+            let line = if head.starts_with(';') { "flat.snc:1:1" } else { "flat.snc:2:1" };
+            run.exits(3).says("error[E0118]").says("flat stream").says(line);
+            assert!(!shop.path("o.mpf").exists(), "{command:?}");
+        }
+    }
+}
+
 #[test]
 fn the_first_arc_begins_at_the_given_start() {
     // G54 lies at X-60 Y-40, so the start is X60 Y50 there.

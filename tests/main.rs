@@ -96,6 +96,7 @@ mod diagnose_thermal;
 mod diagnose_waves;
 mod differential;
 mod documents;
+mod doubtful_signs;
 mod edits;
 mod emission;
 mod esmaeili;

@@ -287,7 +287,8 @@ fn a_state_that_the_control_keeps_is_named() {
         let run = shop.run(["p.ngc", "-o", "out.ngc", "--machine", "m.toml"]).exits(0);
         (run.stderr.matches("warning[W0240]").count(), run.stderr, shop.text("out.ngc"))
     };
-    let (count, said, _) = fix(machine("linuxcnc", ""), holes("", ""));
+    let (count, said, out) = fix(machine("linuxcnc", ""), holes("", ""));
+    assert!(!out.contains("G98") && !out.contains("G99"), "the control keeps its own return: {out}");
     assert!(count == 2 && said.contains("G20 or G21") && said.contains("p.ngc:4"), "{said}");
     for (startup, unit, mode) in [("", "G21 ", "G98 "), ("G21 G98", "", ""), ("G98", "G20 (no mm) ", "")] {
         let (count, said, _) = fix(machine("linuxcnc", startup), holes(unit, mode));

@@ -18,6 +18,15 @@ const MOST_BYTES: u64 = 4_000_000;
 /// The byte order mark of UTF-8.
 pub(crate) const MARK: &str = "\u{feff}";
 
+/// The beginning of the head line of a flat stream.
+pub(crate) const FLAT_HEAD: &str = "; snc 1";
+
+/// True if a text is a flat stream, also one whose head line lacks the machine.
+pub(crate) fn is_flat(bytes: &[u8]) -> bool {
+    let rest = from_head(bytes).strip_prefix(FLAT_HEAD.as_bytes());
+    rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+}
+
 /// A flat stream from its head line: blank lines and a byte order mark may precede it.
 pub(crate) fn from_head(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(MARK.as_bytes()).unwrap_or(bytes).trim_ascii_start()

@@ -32,8 +32,8 @@ pub(in crate::cli) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
 
 fn check(arguments: &MachineArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let unreachable = read(arguments, &mut findings)?.map(|chosen| chosen.unreachable_zeros());
-    findings.extend(unreachable.unwrap_or_default(), &[]);
+    let doubts = read(arguments, &mut findings)?.map(|chosen| chosen.doubts());
+    findings.extend(doubts.unwrap_or_default(), &[]);
     findings.draw();
     tell(&format!("{}: {}\n", name(arguments), findings.count()));
     Ok(findings.exit_code())

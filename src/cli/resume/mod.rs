@@ -59,8 +59,7 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
             feed::send(&feed, job, &before, &begin)
         }
         Some(confirmed) => Err(Stop::Usage(format!(
-            "{confirmed} is not the plan number of this journal; it is {}: read the plan first (ncfix resume {shown})",
-            plan.plan
+            "{confirmed} is not the plan number of this journal: read the plan first, which has it (ncfix resume {shown})"
         ))),
     }
 }

@@ -11,6 +11,7 @@ use crate::cli::findings::Findings;
 use crate::cli::output::{Old, Spool, Target};
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress};
+use crate::disk::stated_machine::is_flat;
 use crate::moves::{self, FlatText};
 
 /// Prints the stream.
@@ -28,7 +29,7 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
     let part = program::of(&arguments.input, &arguments.program)?;
     let found = machine_choice::choose(&arguments.machine, part.search(&arguments.input), findings)?;
     let Some(machine) = found else { return Ok(()) };
-    if moves::is_flat(&part) {
+    if is_flat(part.bytes()) {
         let Some(text) = moves::written_again(&part, &machine, findings) else { return Ok(()) };
         if target == Target::Standard {
             return print(&String::from_utf8_lossy(&text));

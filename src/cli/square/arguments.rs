@@ -11,7 +11,7 @@ use ncfix_base::geometry::Plane;
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Cut a rectangle without correction. d1 is its diagonal from the corner with the smallest positions to the one with the largest, d2 the other one. With \
 a square, align one leg with one axis, and move the other axis along the other leg in its positive direction. --dial is the change of the reading, + if the \
-plunger is pressed in. So the corner of the square is where this axis has its smallest position.
+plunger is pressed in. The corner of the square may be on either side.
 
 Examples:
   ncfix square --machine router.toml --d1 848.740 --d2 848.316 --side 600 --read-to 0.5 -o router_square.toml

@@ -816,8 +816,9 @@ files (control.search_path). To let the control execute the cycle without a corr
 An RS274/NGC control also keeps the return of drilling cycles (G98, G99). The program states one of them too late or not at all, and
 so does control.startup_code. ncfix assumes the usual start: millimeters, and G99. The corrected program states G21. If the control
 has G20, all lengths are wrong by a factor of 25.4: Z1. is then 1 mm above the part. If it has G98, an RS274/NGC control would
-return to the initial level between holes. The corrected program returns only to R: a clamp may be in the way. Write the word at the
-beginning of the program, or state startup_code in [control].
+return to the initial level between holes. A cycle in the corrected program states neither word, as in the original. If cycles
+become moves, they return only to R: a clamp may be in the way. Write the word at the beginning of the program, or state startup_code
+in [control].
 
 Or a program of RS274/NGC moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
 control would move to its own position. Give the file of the control with --setup.
@@ -1033,6 +1034,12 @@ Correct the machine file, or write the word at the beginning of the program.";
 [location] angles are in µrad and displacements in µm. Coefficients of polynomials are in mm (rad for angles) per power of mm: 50 µm per
 meter is 5e-5. The message states the size at the worst place of the travel, or over the travel, and the help what the number
 may have been meant to be. A small number with an entry in [uncertainty] comes from a fit and is not reported. Correct the number.";
+    DOUBTFUL_SIGN = "W0409" "value with the sign of an unusual machine"
+"machine check has found a value whose sign is possible, but rare. A backlash has the sign of an axis that goes too far after a
+reversal: only a control that compensates for too much does that. The correction of a wrong sign doubles the error. Compare the sign
+with a measurement: ncfix machine show --at X100 --sense X+ prints the deviation after a positive motion. With lost motion the tool
+lags, and dX is negative. Or a tool has a negative length, as controls show it for a tool that was measured against another one or
+from the machine zero. Write the distance from the spindle nose to the tip.";
     NO_TEMPERATURES = "W0501" "temperatures not given, or without effect"
 "The error model has sources that depend on temperatures, and neither --state nor, in a calibration, the table of readings gives
 them. All sensors are assumed to be at their reference temperature: no drift, no expansion. On a warm machine this part of the

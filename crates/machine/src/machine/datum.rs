@@ -145,7 +145,8 @@ impl TouchedAt {
             out.command[axis] = if axis.is_rotary() { value.to_radians() } else { value };
             out.stated.insert(axis);
         }
-        out.tool_length_mm = section.number("tool_length_mm").or(base.tool_length_mm);
+        let length = section.number_where("tool_length_mm", "a number that is not negative", |length| length >= 0.0);
+        out.tool_length_mm = length.or(base.tool_length_mm);
         out
     }
 }

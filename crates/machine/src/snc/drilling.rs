@@ -13,6 +13,8 @@ pub struct DrillingCycle {
     pub plane: Plane,
     /// True if the tool ends at a height that the call gives (G99, the retraction plane of a Sinumerik), false if at the initial level (G98).
     pub ends_at_reference: bool,
+    /// False if the program leaves that end to the state of the control (RS274/NGC without G98 and G99): the call must not state it.
+    pub is_end_stated: bool,
     /// Pecks of one depth, if the number of pecks follows from the heights of the call.
     pub peck: Option<Peck>,
     /// Further words or arguments in their order.

@@ -45,6 +45,7 @@ pub(super) fn begin(
         is_own: false,
         plane: channel.modal.modes.plane,
         ends_at_reference: true,
+        is_end_stated: true,
         peck: None,
         arguments: vec![CycleArgument::Height(shown_mm), CycleArgument::Text(text.trim_start().to_owned())],
         trigger: HoleTrigger::Position,

@@ -68,6 +68,7 @@ pub(super) fn of(channel: &Channel<'_>, call: &Call, from: Flat, holes: usize, s
         is_own: false,
         plane: channel.modal.modes.plane,
         ends_at_reference: call.to_r,
+        is_end_stated: !is_rs274 || channel.modal.states_retract(),
         peck,
         arguments,
         trigger: HoleTrigger::Position,

@@ -116,6 +116,11 @@ impl Modal {
         self.codes.is(Group::Retract, 990)
     }
 
+    /// `true` if the program or the startup code has stated G98 or G99.
+    pub(super) fn states_retract(&self) -> bool {
+        self.codes.programmed(Group::Retract).is_some()
+    }
+
     /// `true` under G96: S is the cutting speed.
     pub(super) fn has_cutting_speed(&self) -> bool {
         self.codes.is(Group::SpindleMode, 960)

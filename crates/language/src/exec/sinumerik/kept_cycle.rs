@@ -123,6 +123,7 @@ fn cycle_of(channel: &Channel<'_>, kept: &StayingCycle, given: &[Argument], is_m
         is_own: kept.is_own,
         plane: channel.modal.modes.plane,
         ends_at_reference: true,
+        is_end_stated: true,
         peck: None,
         arguments: arguments.collect(),
         trigger: if is_modal { HoleTrigger::Motion } else { HoleTrigger::Call },

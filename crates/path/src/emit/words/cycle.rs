@@ -35,7 +35,7 @@ impl Words {
         }
         self.line.begin_motion();
         if before.is_none() {
-            self.line.word(if cycle.ends_at_reference { b"G99" } else { b"G98" });
+            self.end_of_strokes(cycle);
             self.line.word(cycle.name.as_bytes());
         }
         let [abscissa, ordinate, along] = cycle.plane.axes();
@@ -74,11 +74,18 @@ impl Words {
         self.cycle = Some(WrittenCycle { cycle: Arc::clone(cycle), reference, bottom, peck });
     }
 
+    /// Writes where the strokes end, if the program states it.
+    fn end_of_strokes(&mut self, cycle: &DrillingCycle) {
+        if cycle.is_end_stated {
+            self.line.word(if cycle.ends_at_reference { b"G99" } else { b"G98" });
+        }
+    }
+
     /// Notes all words of a hole: the program may state those again that do not change.
     fn note_words_in_force(&mut self, block: &CycleBlock) {
         let CycleBlock { cycle, reference, bottom, peck, .. } = block;
         let end = self.line.text.len();
-        self.line.word(if cycle.ends_at_reference { b"G99" } else { b"G98" });
+        self.end_of_strokes(cycle);
         self.line.word(cycle.name.as_bytes());
         let [abscissa, ordinate, along] = cycle.plane.axes();
         for axis in [abscissa, ordinate] {
