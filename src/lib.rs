@@ -29,6 +29,7 @@ pub mod prelude;
 pub mod sensors;
 
 mod answers;
+mod assumed_start;
 mod calibration;
 mod channel;
 mod check;

@@ -74,7 +74,9 @@ fn another_zero_or_tool_stops_the_program_before_it_moves() {
             _ => "ABS[#5221 - ",
         };
         assert!(shop.text(&out).contains(read), "{control}: {}", shop.text(&out));
-        shop.run(["verify", name, &out, "--machine", "m.toml"]).exits(0);
+        let verified = shop.run(["verify", name, &out, "--machine", "m.toml"]).exits(0);
+        // The guard compares values of the control, and none of them becomes a number.
+        assert!(!verified.stderr.contains("W0243"), "{control}: {}", verified.stderr);
         let (plain, _) = executed(&shop, name, "m.toml");
         let (guarded, errors) = executed(&shop, &out, "m.toml");
         assert!(moves(&guarded) >= moves(&plain), "{control}: {guarded}\n{errors}");
@@ -130,4 +132,26 @@ fn a_program_without_its_comments_is_known_by_its_guard() {
         let run = shop.run(["fix", &bare_name, "-o", "again.nc", "--machine", "m.toml", "--dialect", control]).exits(4);
         run.says("E0301").says("it has the check of --guard");
     }
+}
+
+/// A length offset with another number than its tool is compared, too.
+#[test]
+fn the_offset_of_another_number_is_compared() {
+    for (control, read) in [("fanuc", "[#11003+#10003-[91.5]]"), ("haas", "[#2003+#2203-[91.5]]")] {
+        let shop =
+            Shop::new().file("part.nc", FANUC.replace("H2", "H3")).file("m.toml", machine(control, 40.125, 80.0));
+        shop.run(["fix", "part.nc", "-o", "out.nc", "--machine", "m.toml", "--guard"]).exits(0);
+        let text = shop.text("out.nc");
+        assert!(text.contains(read) && !text.contains("#11002") && !text.contains("#2002"), "{control}: {text}");
+    }
+}
+
+/// A program with a guard that also computes with a value of the control: this place is named, not that of the guard.
+#[test]
+fn a_value_beside_a_guard_is_named() {
+    let program = FANUC.replace("N60", "N55 G1 X[#5221]\nN60");
+    let shop = Shop::new().file("part.nc", program).file("m.toml", machine("fanuc", 40.125, 80.0));
+    let run = shop.run(["fix", "part.nc", "-o", "out.nc", "--machine", "m.toml", "--guard"]).exits(0);
+    assert_eq!(run.stderr.matches("warning[W0243]").count(), 1, "{}", run.stderr);
+    run.says("part.nc:8");
 }

@@ -159,6 +159,7 @@ mod kinematics;
 mod large;
 mod lateral_play;
 mod led_sides;
+mod left_over_values;
 mod lei_hsu;
 mod limits;
 mod live_step;

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use ncfix_base::geometry::{Axis, Vector};
+use ncfix_dialect::Language;
 use ncfix_language::exec;
 use ncfix_machine::machine::Tool;
 use ncfix_machine::snc::{Kind, WordValue};
@@ -38,8 +39,9 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
     let mut found = Diagnostics::default();
     let machine = &chosen.machine;
     let Some(opened) = program.open(Some(chosen), &mut found)? else { return Ok(GuardLines::default()) };
+    let has_offsets = opened.dialect.language != Language::Sinumerik;
     let mut running = program.start_as(opened, machine, exec::Options { strict: true, ..exec::Options::default() });
-    let mut named = NamedTools::default();
+    let mut named = NamedTools { has_offsets, ..NamedTools::default() };
     let mut tool_mm = Vector::zeros();
     let mut lengths_mm: Vec<f64> = Vec::new();
     for element in running.by_ref().filter_map(Result::ok) {
@@ -82,6 +84,8 @@ pub(super) fn of_program(program: &Program, chosen: &Machine, writing: &Writing)
 /// Tools and offsets that a program names.
 #[derive(Debug, Default)]
 struct NamedTools {
+    /// True if H is the number of a length offset.
+    has_offsets: bool,
     numbers: BTreeSet<u32>,
     names: BTreeSet<Vec<u8>>,
 }
@@ -95,7 +99,14 @@ impl NamedTools {
             Kind::Tool(WordValue::Name(name)) => {
                 self.names.insert(name.clone());
             }
-            // G43 H2
+            // G43 H2 of a Fanuc, in the flat stream a word of its own.
+            Kind::Before(words) | Kind::After(words) if self.has_offsets => {
+                let offsets = words.iter().filter(|word| word.letter == b'H').filter_map(|word| match word.value {
+                    WordValue::Number(number) => Some(number as u32),
+                    _ => None,
+                });
+                self.numbers.extend(offsets);
+            }
             Kind::Verbatim(text) => {
                 let words = text.split(|&byte| byte == b' ');
                 let offset =

@@ -16,6 +16,7 @@ use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::assumed_start::assumed_start;
 use crate::coverage;
 use crate::datum;
 use crate::diagnostics::Diagnostics;
@@ -235,7 +236,7 @@ impl<'a> Correction<'a> {
         });
         let opened = opened?.filter(|_| !found.has_errors());
         if let Some(opened) = &opened {
-            let assumed = run::assumed_start(&opened.source, opened.dialect, &self.machine.machine);
+            let assumed = assumed_start(&opened.source, opened.dialect, &self.machine.machine);
             found.extend(assumed, std::slice::from_ref(&opened.source));
         }
         Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads, has_sections: false }))

@@ -6,6 +6,7 @@ use super::first_answers;
 use super::link::ControlLink;
 use super::options::FeedOptions;
 use super::start_state;
+use crate::assumed_start::assumed_start;
 use crate::correction::Writing;
 use crate::datum;
 use crate::diagnostics::Diagnostics;
@@ -75,7 +76,7 @@ impl Transfer {
         }
         let source = program.source();
         run::keep_unit(source, opened.dialect, true, &mut machine.machine);
-        found.extend(run::assumed_start(source, opened.dialect, &machine.machine), std::slice::from_ref(source));
+        found.extend(assumed_start(source, opened.dialect, &machine.machine), std::slice::from_ref(source));
         let bytes = (source, short_hash([source.bytes()]));
         let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
         let limits = DosingLimits {

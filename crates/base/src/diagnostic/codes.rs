@@ -267,7 +267,7 @@ Program the pole in the plane in force, and write AC(…) or IC(…) under G91."
 
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
 "The program reads a system variable whose value is known only to the machine: machine data, an input, a measured position, the
-tool in the spindle, an R parameter or a common variable that an earlier program has set. Where it affects motion, its value must
+tool in the spindle, an R or E parameter, #100 or a common variable that an earlier program has set. Where it affects motion, its value must
 be known in advance. Or the program computes a new zero offset or tool value from the old one by something other than adding a
 number.
 
@@ -823,7 +823,7 @@ in [control].
 Or a program of RS274/NGC moves with G28 or G30, and no file states these positions. The output then moves to the machine zero, where the
 control would move to its own position. Give the file of the control with --setup.
 
-Or a program reads an R parameter, or a variable such as #500, that keeps its value between programs and that it has not set.
+Or a program reads an R or E parameter, or a variable such as #500, that keeps its value between programs and that it has not set.
 There snc uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed
 refuse the program (E0219). Set the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
@@ -853,6 +853,11 @@ the cycle is under G90 and does not repeat R or the depth. ncfix drills it betwe
 opposite case (G90 first, then G91 X10. K5). No manual states that every control keeps the levels. A control that reads Z-12 as a
 position would drill to another depth, or move to R inside the part. Write R and the depth in the first block after G90. Only the
 first such hole is reported.";
+    OTHER_LENGTH = "W0245" "length offset of another tool"
+"A program of a Fanuc or Haas has one tool in the spindle and the H number of another one. The machine file has both lengths, and they
+differ by more than a millimeter: G43 H2 with T1 is mostly a mistake, and the tip then cuts too deep or in the air. ncfix corrects
+the program with the length of H, as the control does. Compare the T and H numbers. If one tool has two offsets with lengths that
+differ so much, nothing is wrong. Only the first such block is reported.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";

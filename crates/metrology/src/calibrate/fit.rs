@@ -277,7 +277,7 @@ impl<'a> Rounds<'a> {
     fn each(&self, mut out: impl FnMut(&ReadingEquation, &[f64], f64)) {
         let root = |line: &ReadingEquation, weight: f64| {
             let sigma = match line.origin {
-                EquationOrigin::Row(_) => self.noise.sigma(group_of(line)),
+                EquationOrigin::Row(_) => self.noise.widened(group_of(line)),
                 EquationOrigin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
             };
             weight.sqrt() / sigma

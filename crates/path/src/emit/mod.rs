@@ -33,7 +33,7 @@ pub use stamp::{
 };
 
 pub use subprograms::{FoldedProgram, SubprogramNames, SubprogramStyle, fold};
-pub use traces::{CorrectionTrace, correction_trace};
+pub use traces::{CorrectionTrace, correction_trace, guard_end};
 
 use std::io::{self, Write};
 

@@ -42,6 +42,13 @@ pub fn correction_trace(bytes: &[u8]) -> Option<CorrectionTrace> {
     Some(CorrectionTrace { what: "marks of added lines", at: first.0 })
 }
 
+/// The end of the guard at the start of a program, bytes; 0 without one.
+#[must_use]
+pub fn guard_end(bytes: &[u8]) -> usize {
+    let head = &bytes[..bytes.len().min(HEAD_BYTES)];
+    lines(head).filter(|(_, line)| guard::is_of_guard(line)).last().map_or(0, |(at, _)| at.end)
+}
+
 /// The lines with their places, without blanks at the ends.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (Range<usize>, &[u8])> {
     let mut start = 0;

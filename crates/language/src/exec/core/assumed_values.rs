@@ -37,12 +37,11 @@ impl AssumedValues {
         }
     }
 
-    /// Takes the warnings of values that were not reported yet. `letter` is `R` or `#`.
-    pub(in crate::exec) fn take(&mut self, letter: char) -> impl Iterator<Item = Fault> {
+    /// Takes the warnings of values that were not reported yet. `letter` is `R`, `E` or `#`; `used` takes the place of the values.
+    pub(in crate::exec) fn take(&mut self, letter: char, used: &'static str) -> impl Iterator<Item = Fault> {
         let new = std::mem::take(&mut self.noted.get_mut().new);
         new.into_iter().map(move |(number, span)| {
-            let (key, used) =
-                if letter == 'R' { (format!("$R[{number}]"), "0") } else { (format!("{letter}{number}"), "null") };
+            let key = if letter == 'R' { format!("$R[{number}]") } else { format!("{letter}{number}") };
             let message = format!(
                 "{letter}{number} keeps its value between programs, and this program has not set it; {used} is used"
             );

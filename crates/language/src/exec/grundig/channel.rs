@@ -60,6 +60,7 @@ pub(super) struct GrundigAtHand {
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
+        self.outlet.warnings.extend(self.parameters.assumed.take('E', "0"));
         &mut self.outlet
     }
 }
@@ -70,7 +71,7 @@ impl<'a> Channel<'a> {
             settings: RunSettings::new(machine, options),
             outlet: MotionSink::new(machine, options),
             modal: Modal::new(options.start, machine),
-            parameters: Parameters::new(machine),
+            parameters: Parameters::new(machine, options),
             codes,
             tools: ToolTable::default(),
             standing: InForce { changed: true, ..InForce::default() },

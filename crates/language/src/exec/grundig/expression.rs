@@ -1,42 +1,69 @@
 //! Values of expressions, and the E parameters that they read.
 
+use crate::exec::core::assumed_values::AssumedValues;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::options::Options;
 use crate::syntax::words::{ExprId, Function, Node, Operator, Program, UnaryOperator};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_base::units::sin_deg;
-use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::{Machine, Setting};
 
 /// E parameters: E0 to E1999.
 const PARAMETERS: usize = 2000;
 /// Relative difference below which comparisons find values equal.
 const SAME: f64 = 1e-12;
 
-/// The E parameters, common to all programs and macros. Unassigned parameters are 0.
+/// The E parameters, common to all programs and macros. They keep their values between programs, so one that is not assigned has no known value.
 #[derive(Debug)]
 pub(super) struct Parameters {
-    values: Vec<f64>,
+    /// `None` for a value of an earlier program.
+    values: Vec<Option<f64>>,
+    /// True if such a value is an error, false if 0 takes its place.
+    strict: bool,
+    /// Values of earlier programs that were read as 0.
+    pub(super) assumed: AssumedValues,
 }
 
 impl Parameters {
     /// Parameters with the values of the machine file.
-    pub(super) fn new(machine: &Machine) -> Parameters {
-        let mut values = vec![0.0; PARAMETERS];
-        for (&number, &value) in &machine.parameters {
-            if let Some(place) = usize::try_from(number).ok().and_then(|number| values.get_mut(number)) {
-                *place = value;
+    pub(super) fn new(machine: &Machine, options: &Options) -> Parameters {
+        let mut values = vec![None; PARAMETERS];
+        let of_control = machine.parameters.iter().map(|(&number, &value)| (usize::try_from(number).ok(), value));
+        let of_file = machine.system.iter().filter_map(|(key, setting)| {
+            let value = match setting {
+                Setting::Whole(value) => *value as f64,
+                Setting::Number(value) => *value,
+                _ => return None,
+            };
+            Some((key.strip_prefix('E')?.parse::<usize>().ok(), value))
+        });
+        for (number, value) in of_control.chain(of_file) {
+            if let Some(place) = number.and_then(|number| values.get_mut(number)) {
+                *place = Some(value);
             }
         }
-        Parameters { values }
+        Parameters { values, strict: options.strict, assumed: AssumedValues::new(options.tells_assumed) }
     }
 
     pub(super) fn get(&self, number: usize, span: Span) -> Result<f64, Fault> {
-        self.values.get(number).copied().ok_or_else(|| no_parameter(number, span))
+        let value = self.values.get(number).ok_or_else(|| no_parameter(number, span))?;
+        if value.is_none() && self.strict {
+            let message = format!("E{number} keeps its value between programs, and this program has not set it");
+            let help = format!(
+                "set it in the program, add \"E{number}\" = … to [system] of the machine file, or give the parameters (%PA) that the control has saved with --setup"
+            );
+            return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("E{number}")));
+        }
+        if value.is_none() {
+            self.assumed.note(number as i64, span);
+        }
+        Ok(value.unwrap_or(0.0))
     }
 
     pub(super) fn set(&mut self, number: usize, value: f64, span: Span) -> Result<(), Fault> {
         let place = self.values.get_mut(number).ok_or_else(|| no_parameter(number, span))?;
-        *place = value;
+        *place = Some(value);
         Ok(())
     }
 }

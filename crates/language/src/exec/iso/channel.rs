@@ -110,6 +110,8 @@ pub(super) struct IsoAtHand {
 #[derive(Default)]
 pub(super) struct Warned {
     pub(super) feed: bool,
+    /// `true` if the length of another tool was reported.
+    pub(super) length: bool,
     /// The zero offset whose missing value was reported.
     pub(super) offset: Option<System>,
     /// `true` if numbers without decimal point were reported as ambiguous.
@@ -118,7 +120,8 @@ pub(super) struct Warned {
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
-        self.outlet.warnings.extend(self.variables.assumed.take('#'));
+        let used = if self.language == Language::Rs274 { "0" } else { "null" };
+        self.outlet.warnings.extend(self.variables.assumed.take('#', used));
         self.outlet.warnings.extend(self.variables.fixed.take());
         &mut self.outlet
     }

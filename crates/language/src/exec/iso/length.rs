@@ -24,6 +24,9 @@ use ncfix_machine::machine::LengthAxis;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
+/// Lengths that differ by less are those of one tool, for example with another wear, mm.
+const SAME_TOOL_MM: f64 = 1.0;
+
 /// Executes the code of length compensation. Returns `true` if it consumed the axis words, so that the block has no motion.
 pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let code = gathered.code(Group::Length);
@@ -113,6 +116,27 @@ fn table_length(
     Ok((Vector::zeros(), true))
 }
 
+/// Warns once if H is the number of another tool than the one in the spindle, and both lengths are known and differ.
+fn warn_of_other_tool(channel: &mut Channel<'_>, length_mm: f64, span: Span) {
+    let (h, Some(number)) = (channel.modal.h, channel.modal.tool.active) else { return };
+    if channel.warned.length || h == number || h == 0 || number == 0 {
+        return;
+    }
+    let Some(tool) = channel.written.tools.size(channel.settings.machine, number, 1) else { return };
+    let own_mm = tool.length_mm[0];
+    if (own_mm - length_mm).abs() <= SAME_TOOL_MM {
+        return;
+    }
+    channel.warned.length = true;
+    let message = format!(
+        "T{number} is in the spindle with the length of H{h}: {length_mm:.3} mm in the machine file, and T{number} has {own_mm:.3} mm"
+    );
+    let help = format!(
+        "write H{number}, if H{h} is the length of another tool; if T{number} has two offsets, nothing is wrong"
+    );
+    channel.outlet.warnings.push(fault(Code::OTHER_LENGTH, span, message, help));
+}
+
 fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     if code == 431 {
         let message = "G43.1 is not supported";
@@ -145,6 +169,9 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     } else {
         table_length(&channel.settings, &channel.written, &mut channel.outlet, channel.modal.h, span)?
     };
+    if !is_off {
+        warn_of_other_tool(channel, table[2], span);
+    }
     let size = if code == 440 { -table[2] } else { table[2] };
     // Along several axes if several blocks command it; G49 ends all of them, H0 that of its axis.
     let mut length = Vector::zeros();

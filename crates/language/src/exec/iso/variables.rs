@@ -22,6 +22,9 @@ pub(super) const RS274_END: u32 = 5602;
 const FANUC_COMMON: std::ops::RangeInclusive<u32> = 100..=999;
 /// From this number on, Fanuc variables contain the state of the control.
 pub(super) const FANUC_SYSTEM: u32 = 1000;
+/// User parameters of RS274/NGC: a control with a parameter file keeps them between programs, also those of the outermost level. The others above
+/// contain the state of the control.
+const RS274_USER_END: u32 = 5000;
 /// Fanuc common variables from this number on are retained at power off; on a Haas all are.
 const FANUC_KEPT: u32 = 500;
 const HAAS_KEPT: u32 = 100;
@@ -103,7 +106,11 @@ impl Variables {
     pub(super) fn new(language: Language, machine: &Machine, tells_assumed: bool) -> Variables {
         let is_haas = machine.control.iso.is_haas();
         let common = match language {
-            Language::Rs274 => vec![Some(0.0); RS274_END as usize],
+            Language::Rs274 => {
+                let mut common = vec![Some(0.0); RS274_END as usize];
+                common[..=RS274_USER_END as usize].fill(LEFT_OVER);
+                common
+            }
             _ if is_haas => {
                 let mut common = vec![None; *HAAS_COMMON.end() as usize + 1];
                 common.iter_mut().skip(HAAS_KEPT as usize).for_each(|value| *value = LEFT_OVER);
@@ -132,6 +139,9 @@ impl Variables {
             fixed: FixedValues::default(),
         };
         variables.levels[0].numbered = variables.no_locals();
+        if language == Language::Rs274 {
+            variables.levels[0].numbered.fill(LEFT_OVER);
+        }
         if language == Language::Rs274 {
             for (&number, &value) in &machine.parameters {
                 variables.set(u32::try_from(number).unwrap_or(RS274_END), Some(value));
@@ -214,14 +224,24 @@ impl Variables {
     pub(super) fn get(&self, number: u32) -> Option<f64> {
         let index = self.index(number);
         if index <= self.locals() {
-            return self.levels.last().and_then(|level| level.numbered.get(index).copied().flatten());
+            let level = self.levels.last();
+            let value = level.and_then(|level| level.numbered.get(index).copied().flatten());
+            return value.map(|value| if value.is_nan() { 0.0 } else { value });
         }
-        self.common.get(index).copied().flatten().filter(|value| !value.is_nan())
+        let value = self.common.get(index).copied().flatten();
+        // In RS274/NGC every parameter has a value.
+        if self.language == Language::Rs274 {
+            return value.map(|value| if value.is_nan() { 0.0 } else { value });
+        }
+        value.filter(|value| !value.is_nan())
     }
 
     /// `true` if a common variable still has a value of another program.
     pub(super) fn is_left_over(&self, number: u32) -> bool {
-        self.common.get(self.index(number)).copied().flatten().is_some_and(f64::is_nan)
+        let index = self.index(number);
+        let numbered = self.levels.last().map(|level| &level.numbered);
+        let store = numbered.filter(|_| index <= self.locals()).unwrap_or(&self.common);
+        store.get(index).copied().flatten().is_some_and(f64::is_nan)
     }
 
     /// Sets a variable by number.

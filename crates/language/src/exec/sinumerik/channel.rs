@@ -54,7 +54,7 @@ pub(super) struct SinumerikAtHand {
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
     fn outlet(&mut self) -> &mut MotionSink<'a> {
-        self.outlet.warnings.extend(self.variables.assumed.take('R'));
+        self.outlet.warnings.extend(self.variables.assumed.take('R', "0"));
         self.outlet.warnings.extend(self.variables.fixed.take());
         &mut self.outlet
     }

@@ -1,0 +1,84 @@
+//! Values that an earlier program has left in the control: a correction refuses to read them, in every dialect.
+
+use super::support::{Shop, machine};
+
+const GRUNDIG: &str = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"grundig\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-500, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-500, 500]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-500, 500]\n[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n\
+    [[tool]]\nnumber = 1\nlength_mm = 100\nradius_mm = 5\n";
+
+/// The height of the retracts is a parameter that the operator has set: read as 0, they stay at the surface.
+fn retracts(set: &str) -> String {
+    format!(
+        "%PM9001\nN9001\nN1 G17 G54\nN2 T1 M6\n{set}N4 G0 X0 Y0 Z=E5\nN5 G1 Z-2 F200\nN6 G0 Z=E5\nN7 G0 X80 Y0\nN8 M30\n"
+    )
+}
+
+#[test]
+fn an_e_parameter_without_a_value_is_refused() {
+    let shop = Shop::new().file("m.toml", GRUNDIG).file("p.pm", retracts("")).file("set.pm", retracts("N3 E5=50\n"));
+    let run = shop.run(["p.pm", "-o", "o.pm", "--machine", "m.toml"]).exits(3);
+    run.says("error[E0219]").says("E5 keeps its value between programs").says("p.pm:5");
+    assert!(!shop.path("o.pm").exists());
+    shop.run(["check", "p.pm", "--machine", "m.toml"]).exits(3).says("E0219");
+    let flat = shop.run(["snc", "p.pm", "--machine", "m.toml"]).exits(0).says("warning[W0240]").says("0 is used");
+    assert!(flat.stdout.contains("Z0"), "{}", flat.stdout);
+    shop.run(["set.pm", "-o", "s.pm", "--machine", "m.toml"]).exits(0);
+    let stated = Shop::new().file("m.toml", format!("{GRUNDIG}[system]\nE5 = 50\n")).file("p.pm", retracts(""));
+    stated.run(["p.pm", "-o", "o.pm", "--machine", "m.toml"]).exits(0);
+    assert!(stated.text("o.pm").lines().any(|line| line.starts_with("N6 G0 Z50")), "{}", stated.text("o.pm"));
+}
+
+/// LinuxCNC keeps `#31` to `#5000` until it ends, and those of its parameter file beyond. The arguments of a subroutine that are not given are 0.
+#[test]
+fn a_parameter_of_rs274_without_a_value_is_refused() {
+    let mill = machine("knee_mill");
+    let program = |set: &str, name: &str| {
+        format!("G21 G90 G17 G54\n{set}G0 X0 Y0 Z{name}\nG1 Z-2 F200\nG0 Z{name}\nG0 X80 Y0\nM2\n")
+    };
+    for name in ["#100", "#5", "[#31+1]"] {
+        let shop = Shop::new().file("p.ngc", program("", name));
+        let run = shop.run(["p.ngc", "-o", "o.ngc", "--machine", &mill]).exits(3);
+        run.says("error[E0219]").says("keeps its value between programs").says("p.ngc:2");
+        assert!(!shop.path("o.ngc").exists());
+    }
+    let shop = Shop::new().file("p.ngc", program("#100=50\n", "#100"));
+    shop.run(["p.ngc", "-o", "o.ngc", "--machine", &mill]).exits(0);
+    let sub = "o10 sub\nG0 Z[50+#2]\nG1 X#1 F500\no10 endsub\nG21 G90 G17 G54\nG0 X0 Y0 Z50\no10 call [20]\nM2\n";
+    Shop::new().file("p.ngc", sub).run(["p.ngc", "-o", "o.ngc", "--machine", &mill]).exits(0);
+}
+
+/// T1 has 110 mm and H2 90 mm: the tip would be 20 mm too deep. H3 is T1 with another wear.
+#[test]
+fn the_length_of_another_tool_is_named() {
+    let tools = [(1, 110.0), (2, 90.0), (3, 109.95)]
+        .map(|(number, length)| format!("[[tool]]\nnumber = {number}\nlength_mm = {length}\nradius_mm = 5\n"));
+    let file = GRUNDIG.replace("grundig", "fanuc").split("[[tool]]").next().unwrap().to_owned() + &tools.concat();
+    let program =
+        |words: &str| format!("%\nO1\nG21 G17 G90 G54\n{words}\nG0 X0. Y0.\nG1 Z-1. F100.\nG0 Z50.\nM30\n%\n");
+    for (words, count) in [
+        ("T1 M6\nG43 H2 Z20.", 1),
+        ("T1 M6\nG43 H1 Z20.", 0),
+        ("T1 M6\nG43 H3 Z20.", 0),
+        ("T2 M6\nG43 H1 Z20.\nG43 H1 Z10.", 1),
+    ] {
+        let shop = Shop::new().file("m.toml", &file).file("p.nc", program(words));
+        let run = shop.run(["p.nc", "-o", "o.nc", "--machine", "m.toml"]).exits(0);
+        assert_eq!(run.stderr.matches("warning[W0245]").count(), count, "{words}: {}", run.stderr);
+    }
+}
+
+/// LinuxCNC begins with the offset in force: G54 only after M2 and M30.
+#[test]
+fn an_offset_in_force_that_the_program_does_not_name_is_named() {
+    let file = GRUNDIG.replace("grundig", "linuxcnc") + "[zero_offset.G55]\nX_mm = 200\nY_mm = 0\nZ_mm = 0\n";
+    let program = |offset: &str| format!("G21 G90 G17 {offset}\nG0 X0 Y0 Z50\nG1 Z-2 F200\nG0 Z50\nM2\n");
+    for (offset, in_force, count) in [("", 2, 1), ("", 1, 0), ("G54", 2, 0)] {
+        let shop = Shop::new()
+            .file("m.toml", &file)
+            .file("lc.var", format!("5220\t{in_force}.000000\n5221\t0.000000\n5241\t200.000000\n"))
+            .file("p.ngc", program(offset));
+        let run = shop.run(["p.ngc", "-o", "o.ngc", "--machine", "m.toml", "--setup", "lc.var"]).exits(0);
+        assert_eq!(run.stderr.matches("G55 in force").count(), count, "{offset} {in_force}: {}", run.stderr);
+    }
+}
