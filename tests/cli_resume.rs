@@ -312,7 +312,8 @@ fn a_program_of_one_depth_is_not_taken_up_again_without_a_clearance() {
     assert!((found["above_mm"].as_f64().unwrap() - 4.8).abs() < 0.01, "{found}");
     // The place itself is at the highest feed move, Z0.2: the height is that of the way to it.
     let shown = shop.run(["resume", "part.ngc.journal", "--clearance", "5mm"]).exits(0).stdout;
-    assert!(shown.contains(", a rapid move; the tool moves across 4.8 mm above all feed moves\n"), "{shown}");
+    assert!(shown.contains(", a rapid move; the tool crosses 4.8 mm above the highest feed move\n"), "{shown}");
+    assert!(shown.contains("the first move goes to Z5. at rapid: down, if the tool is higher"), "{shown}");
     let lines = before(&found);
     let moves: Vec<&String> = lines.iter().filter(|line| line.starts_with("G0 ")).collect();
     // Down with a feed, and nothing rapid to below the stated height.

@@ -485,18 +485,25 @@ impl Plan {
         let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
         let above = self
             .above_mm
-            .map_or(String::new(), |mm| format!("; the tool moves across {mm:.1} mm above all feed moves"));
+            .map_or(String::new(), |mm| format!("; the tool crosses {mm:.1} mm above the highest feed move"));
         let _ = writeln!(out, "resumes       at line {} of the original{place}{above}", self.source_line);
         if let Some(line) = self.unsure_line {
-            let _ = writeln!(out, "              (after line {line} the state of the control cannot be restored)");
+            let _ = writeln!(
+                out,
+                "              (line {line} sets a state that cannot be restored, so no later place is possible)"
+            );
         }
         if let Some(tool) = &self.tool {
             let _ = writeln!(out, "tool          {tool} must be in the spindle");
         }
-        for (name, lines) in [("before it", &self.before), ("then", &self.first)] {
+        for (name, lines) in [("sent first", &self.before), ("then", &self.first)] {
             for (number, line) in lines.iter().enumerate() {
                 let _ = writeln!(out, "{:<14}{line}", if number == 0 { name } else { "" });
             }
+        }
+        let rapid = self.before.iter().find(|line| line.contains("G0 Z"));
+        if let Some(line) = rapid.map(|line| line.split(' ').filter(|word| word.starts_with('Z')).collect::<String>()) {
+            let _ = writeln!(out, "attention     the first move goes to {line} at rapid: down, if the tool is higher");
         }
         let _ = writeln!(
             out,

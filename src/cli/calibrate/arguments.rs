@@ -23,7 +23,7 @@ commas, are presets, motion (all motion errors of the linear axes), errors (EXX)
 have degrees up to --degree, and knots every --knots within the measured range.
 
 Without --model, ncfix takes the usual errors of the machine: positions of rotary axes, squareness, scales, backlash. It leaves out what the data do not \
-determine, and says why (W0605). Then it adds higher-order terms of the measured components, as --select does.
+determine, and says why (W0605). Then it adds higher-order terms of positioning and straightness, as --select does.
 
 Examples:
   ncfix calibrate readings --machine start.toml -o machine.toml

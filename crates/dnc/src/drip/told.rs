@@ -18,6 +18,9 @@ const LENGTHS: &[&str] = &["G43.1", "G43.2", "G64", "G22", "G641"];
 const RAPID: &[&str] = &["G0", "G00", "G80"];
 /// Code that orients the spindle.
 const ORIENTED: &str = "M19";
+/// Codes that start the spindle, and the dwell in which it runs up.
+const STARTS: &[&str] = &["M3", "M03", "M4", "M04", "M13", "M14"];
+const DWELL: &[&str] = &["G4", "G04"];
 /// Code of inverse-time feed.
 const INVERSE_TIME: &str = "G93";
 
@@ -46,6 +49,10 @@ pub(super) struct SentState {
     values: BTreeMap<u8, String>,
     motion: Option<String>,
     spindle: Option<String>,
+    /// Dwell in which the spindle runs up: it follows the start before any motion.
+    run_up: Option<String>,
+    /// True from the start of the spindle until the next motion.
+    runs_up: bool,
     coolant: BTreeSet<String>,
     /// True if any line switched the coolant.
     has_coolant: bool,
@@ -68,6 +75,8 @@ impl SentState {
             values: BTreeMap::new(),
             motion: None,
             spindle: None,
+            run_up: None,
+            runs_up: false,
             coolant: BTreeSet::new(),
             has_coolant: false,
             tool: None,
@@ -127,9 +136,15 @@ impl SentState {
         match code.rule {
             Rule::Motion(says_where) => {
                 self.motion = Some(text.to_owned());
+                self.runs_up = false;
                 return !says_where;
             }
-            Rule::Passing => _ = arguments(code, words, Axes::Values),
+            Rule::Passing => {
+                let dwell = block(text, arguments(code, words, Axes::Values));
+                if self.runs_up && DWELL.contains(&text) {
+                    self.run_up = dwell;
+                }
+            }
             Rule::Elsewhere => return true,
             Rule::State(key, axes) => {
                 let block = block(text, arguments(code, words, axes));
@@ -154,6 +169,7 @@ impl SentState {
                 let has_more = arguments(code, words, Axes::Values).is_none_or(|more| !more.is_empty());
                 self.is_beyond |= has_more && text != ORIENTED;
                 self.spindle = Some(text.to_owned());
+                (self.run_up, self.runs_up) = (None, STARTS.contains(&text));
                 if ["M13", "M14"].contains(&text) {
                     self.has_coolant = true;
                 }
@@ -200,6 +216,7 @@ impl SentState {
         match word.letter() {
             b'N' | b':' | b'%' | b'/' | b'O' => {}
             letter if word.is_axis() => {
+                self.runs_up = false;
                 let is_absolute = is_plain || ABSOLUTE.iter().any(|begin| absolute(word.value, begin));
                 let place = (is_absolute && !is_incremental).then(|| word.text.to_owned());
                 self.places.insert(letter, place);
@@ -327,6 +344,7 @@ impl SentState {
         }
         // One line each: some controls accept only one M code per block.
         out.extend(self.coolant.iter().cloned());
+        out.extend(self.run_up.clone());
         Some(out)
     }
 

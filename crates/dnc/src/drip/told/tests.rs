@@ -292,3 +292,20 @@ fn switches_of_the_coolant_add_up_until_all_are_off() {
     assert_eq!(grundig(&["S500 M13"]), "S500 M13");
     assert_eq!(grundig(&["S500 M13", "M9"]), "S500 M3");
 }
+
+/// The dwell between the start of the spindle and the next motion is its run-up; any other dwell belongs to its place.
+#[test]
+fn the_spindle_has_time_to_run_up_again() {
+    for (lines, run_up) in [
+        (&["S10000 M3", "M8", "G4 P5", "G0 X1 Y2 Z30", "G4 P1"][..], Some("G4 P5")),
+        (&["S10000 M3", "G0 X1 Y2 Z30", "G4 P5"], None),
+        (&["S10000 M3", "G4 P5", "M5", "S500 M4", "G0 X1 Y2 Z30"], None),
+        (&["G0 X1 Y2 Z30", "M3 S10000", "X3 Y3", "G4 P5"], None),
+    ] {
+        let found = plan("rs274", lines).unwrap();
+        let dwells: Vec<&str> = found.iter().map(String::as_str).filter(|line| line.starts_with("G4")).collect();
+        assert_eq!(dwells, run_up.into_iter().collect::<Vec<_>>(), "{found:?}");
+        let at = |begin: &str| found.iter().position(|line| line.starts_with(begin));
+        assert!(run_up.is_none() || at("S10000 M3") < at("G4") && at("G4") < at("G0 X"), "{found:?}");
+    }
+}
