@@ -129,6 +129,19 @@ fn an_existing_value_is_replaced_or_added_to() {
     square(&shop, &[&words[..], &["-o", "a.toml"]].concat()).exits(2).says("remove it");
 }
 
+/// Readings stay where they are.
+#[test]
+fn a_machine_file_replaces_only_a_machine_file() {
+    let shop = Shop::new().file("m.toml", machine("wFXYZSt")).file("r.csv", "X,Y,Z,component,value_um\n0,0,0,EXX,0\n");
+    let readings = ["--square", "300", "--dial", "0.03", "-o"];
+    square(&shop, &[&readings[..], &["r.csv"]].concat()).exits(2).says("r.csv exists and is not a machine file");
+    assert!(shop.text("r.csv").starts_with("X,Y,Z,component"));
+    for _ in 0..2 {
+        square(&shop, &[&readings[..], &["new.toml"]].concat()).exits(0);
+    }
+    shop.run(["calibrate", "r.csv", "--machine", "m.toml", "--model", "EXX1", "-o", "r.csv"]).exits(2);
+}
+
 #[test]
 fn readings_that_do_not_fit_are_refused() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));

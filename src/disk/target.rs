@@ -62,6 +62,27 @@ impl Target {
         }
     }
 
+    /// The target of a machine file.
+    ///
+    /// # Errors
+    /// If it cannot be written, or another kind of file is there, such as readings.
+    pub(crate) fn of_machine_file(path: &Path) -> Result<Target, Error> {
+        let target = Target::new(path)?;
+        let is_other = |bytes: Vec<u8>| {
+            let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+            lines.clone().next().is_some() && !lines.any(|line| line.starts_with(b"[machine]"))
+        };
+        match &target {
+            Target::File(file) if fs::read(&file.path).is_ok_and(is_other) => {
+                let shown = path.display();
+                Err(Error::usage(format!(
+                    "{shown} exists and is not a machine file: give -o another name, or remove it"
+                )))
+            }
+            _ => Ok(target),
+        }
+    }
+
     /// True if the target is the file `other`, with any name or link, also if neither exists yet.
     pub(crate) fn is(&self, other: &Path) -> bool {
         self.path().is_some_and(|path| is_same(path, other))

@@ -69,7 +69,7 @@ fn calibrate(
     findings: &mut Findings,
     report: &mut CalibrationReport,
 ) -> Result<(), Stop> {
-    let target = Target::new(&arguments.output)?;
+    let target = Target::of_machine_file(&arguments.output)?;
     let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read_head(&start, &[], arguments.head.as_deref(), findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();

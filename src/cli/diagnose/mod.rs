@@ -75,7 +75,7 @@ fn find(
     shown: &mut PageReadings,
 ) -> Result<(), Stop> {
     let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
-    let target = arguments.output.as_deref().map(Target::new).transpose()?;
+    let target = arguments.output.as_deref().map(Target::of_machine_file).transpose()?;
     report.is_to_be_written = target.is_some();
     let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
     report.found.machine.clone_from(&chosen.machine.name);
