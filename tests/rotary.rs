@@ -10,6 +10,7 @@ use crate::bench_machine::{motion, polynomial};
 use crate::flat::{check, execute};
 use crate::frame_correction::{check as check_correction, corrected};
 use crate::machines::xyz_machine;
+use crate::support::Shop;
 
 /// A table C under three linear axes, turning without end.
 fn table() -> Machine {
@@ -121,5 +122,65 @@ fn rotary_corrections_are_judged_about_the_line_as_it_lies() {
         let shop = shop.file("in.mpf", format!("G17 G71 G90 G94 G54\nG0 X10 {place} A90 C0\nG1 C20 F1000\nM30\n"));
         let run = shop.run(["in.mpf", "-o", "out.mpf", "--machine", "t.toml"]).exits(status);
         assert_eq!(run.stderr.contains("E0303"), status == 4, "{place}: {}", run.stderr);
+    }
+}
+
+/// A table A without end and a head B. With ORIWKS the tool turns along a great circle, so A passes 0° by the degree between both directions; with ORIAXES
+/// the axes move in proportion, and a plain word stays within the turn: 359 degrees back.
+#[test]
+fn under_oriwks_a_modulo_axis_passes_zero() {
+    let axis = |letter: &str, text: &str| format!("[axis.{letter}]\n{text}\n");
+    let file = "[machine]\nname = \"m\"\ntopology = \"wAFXYZBSt\"\ncontroller = \"sinumerik\"\n".to_owned()
+        + &axis("A", "direction = [-1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true")
+        + &axis("B", "direction = [0, 1, 0]\npoint_mm = [0, 0, 200]\ntravel_deg = [-120, 120]")
+        + &axis("X", "direction = [1, 0, 0]\ntravel_mm = [-900, 900]")
+        + &axis("Y", "direction = [0, 1, 0]\ntravel_mm = [-900, 900]")
+        + &axis("Z", "direction = [0, 0, 1]\ntravel_mm = [-900, 900]")
+        + "[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\nA_deg = 0\nB_deg = 0\n[[tool]]\nnumber = 1\nlength_mm = 100\nradius_mm = 3\n";
+    let program = |interpolation: &str, b: &str| {
+        format!(
+            "N10 G17 G90 G71 G54\nN20 T1 D1\nN30 M6\nN40 G0 G53 D0 Z500\nN50 G0 A358 B{b}\nN60 TRAORI\nN65 {interpolation}\nN70 G54 D1\n\
+             N80 G0 X0 Y0 Z60\nN90 G1 X0 Y0 Z50 F1000\nN100 X5 A359.5\nN110 X10 A0.5\nN120 X20 A2\nN130 X10 A359\nN140 TRAFOOF\nN150 M30\n"
+        )
+    };
+    let shop = Shop::new()
+        .file("m.toml", &file)
+        .file("p.mpf", program("ORIWKS", "0"))
+        .file("tilted.mpf", program("ORIWKS", "20"))
+        .file("axes.mpf", program("ORIAXES", "0"));
+    for (name, b) in [("p.mpf", "0"), ("tilted.mpf", "20")] {
+        let flat = shop.run(["snc", name, "--machine", "m.toml"]).exits(0).stdout;
+        let ends: Vec<&str> = flat
+            .lines()
+            .filter(|line| line.starts_with("G1 "))
+            .filter_map(|line| line.split(' ').find(|word| word.starts_with('A')))
+            .collect();
+        assert_eq!(ends.last(), Some(&"A359"), "{b}: {flat}");
+        assert!(ends.contains(&"A360.5") && ends.contains(&"A362"), "{b}: {flat}");
+        shop.run(["fix", name, "-o", "out.mpf", "--machine", "m.toml", "--review", "r.html", "--zero", "G54=absolute"])
+            .exits(0);
+        let out = shop.text("out.mpf");
+        assert!(out.contains("N110 X10 A0.5") && out.contains("N130 X10 A359"), "error-free, so as programmed: {out}");
+    }
+    let flat = shop.run(["snc", "axes.mpf", "--machine", "m.toml"]).exits(0).stdout;
+    assert!(flat.contains(" A0.5 ") && !flat.contains("A360.5"), "{flat}");
+}
+
+/// The position after a turn is a rounding beside that of the word: nothing turns, so no time is written for it.
+#[test]
+fn a_turn_of_a_rounding_has_no_time() {
+    let file = "[machine]\nname = \"m\"\ntopology = \"wAFXYZSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.A]\ndirection = [-1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-900, 900]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-900, 900]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-900, 900]\n\
+        [location]\nEC0Y = 30.0\n[control]\ninitial_zero_offset = \"G500\"\n";
+    for k in 0..60 {
+        let [from, to] = [100.3 + f64::from(k), 12.9 + 0.1 * f64::from(k)];
+        let program = format!(
+            "N10 G0 G53 X1 Y2 Z3 A{from:.1}\nN20 G0 G53 A{to:.1}\nN30 G1 A{to:.1} F10000\nN40 G1 X50 Y60\nN50 M30\n"
+        );
+        let shop = Shop::new().file("m.toml", file).file("p.mpf", program);
+        shop.run(["fix", "p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        let out = shop.text("out.mpf");
+        assert!(!out.contains("G93"), "{out}");
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ncfix_base::geometry::ROTARY_AXES;
 use ncfix_machine::machine::{Machine, Rollover};
-use ncfix_machine::snc::{Move, RotaryDirection};
+use ncfix_machine::snc::{Move, RotaryDirection, Turning};
 
 use super::RotaryWord;
 use super::place::{CommandSolver, Placed};
@@ -25,6 +25,8 @@ pub(super) fn words(
     if !machine.axes.iter().flatten().any(|data| data.modulo) {
         return out;
     }
+    // With ORIWKS a word states the direction of the tool, and the axes go the short way to it.
+    let follows_tool = placer.is_transformed() && placer.setup.transform == Some(Turning::Vector);
     let programmed = [&standing.command, &placed.command].map(|command| placer.programmed(command));
     for (axis, word) in ROTARY_AXES.into_iter().zip(&mut out) {
         // If positions count turns, they are written with them.
@@ -44,7 +46,8 @@ pub(super) fn words(
         }
         let [from, to] = [programmed[0][axis], programmed[1][axis]];
         let step = to - from;
-        let is_shortest = machine.control.modulo_shortest || machine.control.rollover == Some(Rollover::Shortest);
+        let is_shortest =
+            follows_tool || machine.control.modulo_shortest || machine.control.rollover == Some(Rollover::Shortest);
         let is_plain =
             if is_shortest { step.abs() < PI - HALF_TURN_ROOM } else { (from / TAU).floor() == (to / TAU).floor() };
         *word = if is_plain {

@@ -11,7 +11,7 @@ use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, ROTARY_AXES};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::RotaryDirection;
+use ncfix_machine::snc::{RotaryDirection, Turning};
 
 /// Difference below which a position equals the current one, rad: no full turn is intended.
 const SAME_RAD: f64 = 1e-9;
@@ -84,8 +84,11 @@ pub(super) fn position(
         let message = format!("{axis} is already there: with ACP and ACN it makes a full turn, or does not move");
         return Err(fault(Code::WAY_OPEN, span, message, "program DC(…) to stay, IC(360) or IC(-360) for a full turn"));
     }
-    let is_shortest =
-        way == RotaryDirection::Shortest || way == RotaryDirection::Plain && context.control.modulo_shortest;
+    // With ORIWKS the tool turns along a great circle between both directions, and the axes follow it: never around the rest of the turn.
+    let follows_tool = context.setup.transform == Some(Turning::Vector)
+        && context.machine.axis_set().iter().filter(|axis| axis.is_rotary()).count() > 1;
+    let is_plain_shortest = context.control.modulo_shortest || follows_tool;
+    let is_shortest = way == RotaryDirection::Shortest || way == RotaryDirection::Plain && is_plain_shortest;
     if is_known
         && is_shortest
         && (forward - PI).abs() <= increment
@@ -94,7 +97,7 @@ pub(super) fn position(
         *place = RotaryDirection::Either;
     }
     let step = match way {
-        RotaryDirection::Plain if !context.control.modulo_shortest => value - within,
+        RotaryDirection::Plain if !is_plain_shortest => value - within,
         RotaryDirection::Positive | RotaryDirection::Negative if is_same => 0.0,
         RotaryDirection::Positive => forward,
         RotaryDirection::Negative => forward - TAU,

@@ -19,6 +19,8 @@ use crate::path::route::Route;
 use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::{Feeds, Output, way};
 
+/// Turn below which a rotary axis stands, rad: the rounding of its position, and a thousandth of the finest increment.
+const STANDS_RAD: f64 = 1e-10;
 /// Relative difference below which durations are equal.
 const SAME_SHARE: f64 = 0.01;
 /// The duration of a move whose feed path the correction may change.
@@ -103,7 +105,7 @@ impl CommandSolver<'_> {
             let minutes = self.tip_way(route) / motion.feed;
             return (minutes > 0.0).then_some(Pacing { minutes, is_turn: false, is_of_axes: true });
         }
-        let turns = ROTARY_AXES.into_iter().any(|axis| route.start[axis] != route.end[axis]);
+        let turns = ROTARY_AXES.into_iter().any(|axis| (route.start[axis] - route.end[axis]).abs() > STANDS_RAD);
         if route.arc().is_some() {
             let minutes = route.length_mm() / feed;
             let is_paced = turns && route.is_of_tip() && minutes > 0.0;
