@@ -8,8 +8,8 @@ use ncfix_base::diagnostic::Code;
 pub(super) fn transformed(moving: &Moving) -> Fault {
     moving.fault(
         Code::NOT_SUPPORTED,
-        "radius compensation under TRAORI is not supported: it requires a tool perpendicular to its plane",
-        "program G41 and G42 after TRAFOOF, or the tool center path",
+        "radius compensation under TRAORI is not supported",
+        "program the path of the tool center in the CAM system, or a swiveled plane (CYCLE800) with G41 and G42",
     )
 }
 
