@@ -184,3 +184,28 @@ fn a_turn_of_a_rounding_has_no_time() {
         assert!(!out.contains("G93"), "{out}");
     }
 }
+
+/// A head B corrects the tilt of its column, 40 µrad, in a cut. The rapid move after it leaves B as it stands: 200 mm below the axis, a tip that was placed for
+/// an uncorrected B would be 8 µm off.
+#[test]
+fn a_rapid_move_is_placed_for_the_rotary_axes_that_stay() {
+    let axis = |letter: &str, text: &str| format!("[axis.{letter}]\n{text}\n");
+    let file = "[machine]\nname = \"m\"\ntopology = \"wAFXYZBSt\"\ncontroller = \"sinumerik\"\n".to_owned()
+        + &axis("A", "direction = [-1, 0, 0]\npoint_mm = [0, 0, 0]\nmodulo = true")
+        + &axis("B", "direction = [0, 1, 0]\npoint_mm = [0, 0, 200]\ntravel_deg = [-120, 120]")
+        + &axis("X", "direction = [1, 0, 0]\ntravel_mm = [-900, 900]")
+        + &axis("Y", "direction = [0, 1, 0]\ntravel_mm = [-900, 900]")
+        + &axis("Z", "direction = [0, 0, 1]\ntravel_mm = [-900, 900]")
+        + "[location]\nEC0Y = 60.0\nEB0Z = -40.0\nEA0Z = 30.0\n[control]\ninitial_zero_offset = \"G500\"\n";
+    let program = |transform: &str, rapid: &str| {
+        format!(
+            "N5 G0 X0 Y0 Z500 A0 B0\nN10 G1 A85 F10000\nN20 {transform}\nN30 G1 X210 Y-6 Z-12 B-0.03 F1000\nN40 {rapid} X209.9 Y-45 Z-46\nN50 M30\n"
+        )
+    };
+    for (transform, rapid) in [("TRAORI", "G0"), ("TRAORI", "G1"), ("STOPRE", "G0"), ("STOPRE", "G1")] {
+        let shop = Shop::new().file("m.toml", &file).file("p.mpf", program(transform, rapid));
+        shop.run(["fix", "p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        let run = shop.run(["verify", "p.mpf", "out.mpf", "--machine", "m.toml"]);
+        assert!(run.code == 0 && !run.stdout.contains("E0320"), "{transform} {rapid}: {run:?}");
+    }
+}

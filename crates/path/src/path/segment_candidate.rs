@@ -145,14 +145,19 @@ impl<'m> SegmentFitter<'_, 'm> {
         let rests = |axis: &Axis| stands.contains(*axis) && is_still(*axis);
         let moving: AxisSet = moving.iter().filter(|axis| !rests(axis)).collect();
         let ends = self.ends(standing, [0.0, 1.0], false);
-        let partly = |target: &AxisVector| {
+        let partly = |target: &AxisVector, state: &State| {
             let mut target = *target;
-            // A rotary axis that the program does not move is written with its correction by a later move.
-            let stay = ROTARY_AXES.into_iter().filter(|&axis| !moving.contains(axis));
-            stay.for_each(|axis| target[axis] = self.route.end[axis]);
+            // A rotary axis that the program does not move is written with its correction by a later move. The tip must be at its place with it as it stands.
+            for axis in ROTARY_AXES.into_iter().filter(|&axis| !moving.contains(axis)) {
+                target[axis] =
+                    if standing.known.contains(axis) { standing.command[axis] } else { self.route.end[axis] };
+            }
+            if self.placer.has_rotary {
+                target = self.placer.around(&self.route.end, self.known, state, &target).unwrap_or(target);
+            }
             self.placer.partly(&target, standing, moving, self.known)
         };
-        let mut trial = self.unplaced(standing, partly(&ends.end.command));
+        let mut trial = self.unplaced(standing, partly(&ends.end.command, &standing.state));
         if self.sampler.backlash.is_empty() {
             return trial;
         }
@@ -161,7 +166,7 @@ impl<'m> SegmentFitter<'_, 'm> {
         self.settle(&mut state);
         for _ in 0..MOST_TRIES {
             let placed = self.place([0.0, 1.0], &self.route.end, &state, &standing.correction);
-            trial = self.unplaced(standing, Placed { failure: placed.failure, ..partly(&placed.command) });
+            trial = self.unplaced(standing, Placed { failure: placed.failure, ..partly(&placed.command, &state) });
             let mut led = trial.state();
             self.settle(&mut led);
             // A body that is led to no side is where the axis leaves it.
