@@ -153,7 +153,9 @@ pub(crate) fn find(
     let term = squareness(&machine.topology, plane, direction)
         .ok_or_else(|| Error::usage(format!("{} has no axes {first} and {second}", machine.name)))?;
     let measured = match readings {
-        SquareReadings::Diagonals(diagonals) => MeasuredSquareness::of_diagonals(diagonals, sides_mm, read_to_mm),
+        SquareReadings::Diagonals(diagonals) => {
+            MeasuredSquareness::of_diagonals(diagonals, (sides_mm, part.shows_scales), read_to_mm)
+        }
         SquareReadings::Dial(leg, dial) => MeasuredSquareness::of_dial(leg, dial, read_to_mm),
     }
     .map_err(Error::usage)?;

@@ -183,7 +183,11 @@ fn diagonals_far_from_the_sides_are_refused_and_uncertain_angles_are_named() {
     let shop = Shop::new().file("m.toml", machine("wFXYZSt"));
     // √2 · 300 mm = 424.264 mm. The mean of the squares of the diagonals is that of 429.551 mm, 5.287 mm more.
     let words = ["--d1", "434.183", "--d2", "424.868", "--side", "300", "--read-to", "0.05"];
-    square(&shop, &words).exits(2).says("424.264 mm").says("+5.287 mm away");
+    square(&shop, &words).exits(2).says("424.264 mm").says("5.287 mm too large");
+    // √(299.70² + 300.20²) = 424.194 mm: one of four readings to 0.05 mm is wrong.
+    let words =
+        ["--d1", "424.00", "--d2", "424.10", "--sides", "299.70,300.20", "--nominal", "300,300", "--read-to", "0.05"];
+    square(&shop, &words).exits(2).says("0.144 mm too small, and at most 0.125 mm");
     // With 0.5 mm of uncertainty, 424.264 · 1e-3 + 2.5 mm are possible.
     square(&shop, &["--d1", "426", "--d2", "425.8", "--side", "300"]).exits(0);
     let run = square(&shop, &["--d1", "424.30", "--d2", "424.29", "--side", "300", "--read-to", "0.05"]).exits(0);

@@ -18,6 +18,8 @@ const MOST_DIAL_RAD: f64 = 0.005;
 /// reading uncertainty.
 const MOST_SHARE: f64 = 1e-3;
 const MOST_READINGS: f64 = 5.0;
+/// As before, if the sides are measured: the mean of both diagonals may be off by one reading uncertainty, and their length by the sides by √2 of it.
+const MOST_OF_MEASURED: f64 = 2.5;
 
 /// Measured squareness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,19 +43,30 @@ fn standard(limit: f64) -> f64 {
 }
 
 impl MeasuredSquareness {
-    /// Calculates the angle from the diagonals d1 and d2 and the sides, mm. Each diagonal is read within ± `read_to_mm`.
+    /// Calculates the angle from the diagonals d1 and d2 and the sides, mm. Each diagonal is read within ± `read_to_mm`, and
+    /// so are the sides with `are_measured`; else the part may be cut with a wrong size.
     ///
     /// # Errors
     /// Returns a sentence if the lengths are not those of a parallelogram that is nearly a rectangle.
-    pub fn of_diagonals([d1, d2]: [f64; 2], [a, b]: [f64; 2], read_to_mm: f64) -> Result<MeasuredSquareness, String> {
+    pub fn of_diagonals(
+        [d1, d2]: [f64; 2],
+        ([a, b], are_measured): ([f64; 2], bool),
+        read_to_mm: f64,
+    ) -> Result<MeasuredSquareness, String> {
         let nominal = a.hypot(b);
         let mean = ((d1 * d1 + d2 * d2) / 2.0).sqrt();
-        let most = MOST_SHARE * nominal + MOST_READINGS * read_to_mm;
+        let most = if are_measured {
+            MOST_OF_MEASURED * read_to_mm
+        } else {
+            MOST_SHARE * nominal + MOST_READINGS * read_to_mm
+        };
         let wrong = mean - nominal;
         if wrong.is_nan() || wrong.abs() > most {
             return Err(format!(
-                "sides of {a} and {b} mm have diagonals of {nominal:.3} mm; {d1} and {d2} mm do not fit: their mean is {wrong:+.3} mm away, and {most:.3} mm \
-                 are possible. Measure the diagonals again, and give the measured sides with --sides"
+                "sides of {a} and {b} mm have diagonals of {nominal:.3} mm; {d1} and {d2} mm do not fit: their mean is {:.3} mm too {}, and at most {most:.3} mm \
+                 can come from reading. Measure the diagonals and the sides again, and give the measured sides with --sides",
+                wrong.abs(),
+                if wrong < 0.0 { "small" } else { "large" }
             ));
         }
         let sine = (d2 * d2 - d1 * d1) / (4.0 * a * b);
@@ -102,11 +115,15 @@ mod tests {
         // 400 x 300 mm with 100 µrad: by the law of cosines √(250 000 ∓ 2 · 400 · 300 · 1e-4) mm.
         let made = MeasuredSquareness { gamma_rad: 1e-4, uncertainty_rad: 0.0 }.diagonals_mm([400.0, 300.0]);
         assert!((made[0] - 499.975_999_4).abs() < 1e-6 && (made[1] - 500.023_999_4).abs() < 1e-6, "{made:?}");
-        let found = MeasuredSquareness::of_diagonals(made, [400.0, 300.0], 0.0).unwrap();
+        let found = MeasuredSquareness::of_diagonals(made, ([400.0, 300.0], false), 0.0).unwrap();
         assert!((found.gamma_rad - 1e-4).abs() < 1e-12);
-        assert!(MeasuredSquareness::of_diagonals([500.0, 400.0], [400.0, 300.0], 0.0).is_err());
+        assert!(MeasuredSquareness::of_diagonals([500.0, 400.0], ([400.0, 300.0], false), 0.0).is_err());
         // 500 mm · 1e-3 + 5 · 0.1 mm = 1 mm.
-        let of = |wrong: f64| MeasuredSquareness::of_diagonals([500.0 + wrong; 2], [400.0, 300.0], 0.1);
-        assert!(of(0.99).is_ok() && of(-0.99).is_ok() && of(1.01).is_err() && of(-1.01).is_err());
+        let of = |wrong: f64, are_measured: bool| {
+            MeasuredSquareness::of_diagonals([500.0 + wrong; 2], ([400.0, 300.0], are_measured), 0.1).is_ok()
+        };
+        assert!(of(0.99, false) && of(-0.99, false) && !of(1.01, false) && !of(-1.01, false));
+        // 2.5 · 0.1 mm.
+        assert!(of(0.24, true) && of(-0.24, true) && !of(0.26, true) && !of(-0.26, true));
     }
 }
