@@ -26,6 +26,9 @@ use ncfix_machine::describe;
 use ncfix_machine::machine::{Condition, Machine, MeasuredRanges, Uncertainty};
 use ncfix_model::{ErrorModel, Model, ModelRegisters, ParameterName, file, write};
 
+/// Readings that do not fit, above which a lacking error is more probable than faults of readings.
+const MOST_FAULTY: usize = 5;
+
 /// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
 /// A fit is refused if its residuals exceed the measured values by this share.
@@ -301,6 +304,8 @@ impl PreparedFit<'_> {
             // Where the direction of approach does not follow from the table, the model has no backlash for the reading: the reading is not at fault.
             let help = if row.is_without_direction {
                 "its direction of approach is not known, so the model has no backlash for it: give the directions in columns X_dir …"
+            } else if group.len() > MOST_FAULTY {
+                "so many may show an error that the model lacks: ncfix diagnose searches for it; --no-robust gives them full weight"
             } else {
                 "find its cause; --no-robust gives it full weight"
             };

@@ -22,7 +22,6 @@ use crate::diagnose::{
 };
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::number::counted;
 use ncfix_base::source;
 use ncfix_base::units::UnitKey;
 use ncfix_machine::machine::Machine;
@@ -598,13 +597,12 @@ fn outliers(found: &DiagnosedCauses, sets: &[DataSet], used: usize) -> Vec<Diagn
         rows.sort_unstable();
         rows.dedup();
         let first = set.observations.get(*rows.first()?)?;
-        let others = match rows.len() - 1 {
-            0 => String::new(),
-            more => format!(", and {} of this file", counted(more as u64, "other row")),
+        let message = match rows.len() {
+            1 => format!("this reading is not used: no explanation fits it within {FAR_OUT} times the usual scatter"),
+            count => format!(
+                "{count} readings of this file are not used, the first of them here: no explanation fits them within {FAR_OUT} times the usual scatter"
+            ),
         };
-        let message = format!(
-            "this row{others}: no explanation fits the reading within {FAR_OUT} times the usual scatter; it is not used"
-        );
         let help = "find its cause; ncfix does not change the file";
         Some(Diagnostic::at(Code::FAULTY_DATA, first.place, message, help))
     };
