@@ -253,6 +253,7 @@ mod thermal_plant;
 mod threads;
 mod tolerance;
 mod tool_tip;
+mod turning_back;
 mod undefined;
 mod unknown_sense;
 mod unreadable;

@@ -286,11 +286,11 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// The program at its start, with the options of the output; `keeps_cycles` if holes may stay drilling cycles.
+    /// The program at its start, with the options of the output; `keeps_cycles` if holes may stay drilling cycles, `keeps_taps` if threads may.
     ///
     /// # Errors
     /// If it cannot be written like that.
-    fn start(self, keeps_cycles: bool) -> Result<(Running<'a>, Writing, NumberSet), Error> {
+    fn start(self, [keeps_cycles, keeps_taps]: [bool; 2]) -> Result<(Running<'a>, Writing, NumberSet), Error> {
         let Prepared { correction, opened, hash, .. } = self;
         let (program, options) = (correction.program, &correction.options);
         let bytes = (program.source(), hash);
@@ -303,6 +303,7 @@ impl<'a> Prepared<'a> {
         let numbers = numbers_of(&opened.program);
         let radius = if keeps_wear { Radius::Beside(0.0) } else { Radius::Whole };
         let is_as_programmed = (options.frame, options.five_axis) == (path::OutputFrame::Work, path::FiveAxis::Tcp);
+        let may_keep = !keeps_wear && writing.options.may_keep_cycles();
         let run = exec::Options {
             strict: true,
             tells_compensation: true,
@@ -312,7 +313,8 @@ impl<'a> Prepared<'a> {
             names_cycles: true,
             // With arcs as chords too: a verification does not know the options.
             fits_arcs: true,
-            keeps_cycles: keeps_cycles && !keeps_wear && writing.options.may_keep_cycles(),
+            keeps_cycles: keeps_cycles && may_keep,
+            keeps_taps: keeps_taps && may_keep,
             keeps_tapping: is_as_programmed,
             keeps_tilt: is_as_programmed && options.rotary != path::Rotary::Correct,
             ..exec::Options::default()
@@ -369,7 +371,8 @@ impl<'a> Prepared<'a> {
         let (correction, threads, has_sections) = (self.correction, self.threads, self.has_sections);
         let Correction { program, machine, model, options } = correction;
         let is_required = options.require_coverage;
-        let (running, writing, numbers) = self.start(options.keeps_cycles && options.feed_limit_mm.is_none())?;
+        let is_unlimited = options.feed_limit_mm.is_none();
+        let (running, writing, numbers) = self.start([options.keeps_cycles && is_unlimited, is_unlimited])?;
         let mut running = match watch {
             Some(watch) => running.watched(watch),
             None => running,
@@ -446,7 +449,7 @@ impl<'a> Prepared<'a> {
     /// If the program cannot be written like that.
     fn pieces(self, found: Diagnostics) -> Result<Pieces<'a>, Error> {
         let correction = self.correction;
-        let (running, writing, _) = self.start(false)?;
+        let (running, writing, _) = self.start([false; 2])?;
         Ok(Pieces::new(running, &correction.machine.machine, &correction.model, writing.options, found))
     }
 }

@@ -27,6 +27,7 @@ use super::place::CommandSolver;
 use super::poses::PoseSampler;
 use super::route::Route;
 use super::segment_candidate::{SegmentCandidate, SegmentFitter};
+use super::side_plan::SidePlan;
 use super::standing::PathState;
 use super::tip_divider::TipDivider;
 use super::treatment::{MoveTreatment, is_pushed_out};
@@ -62,6 +63,8 @@ pub struct Corrector<'a, I> {
     initial: Option<hole::InitialLevel>,
     /// Shift of the last hole along the drilling axis, increments.
     last_shift: i64,
+    /// Pieces whose bodies no way leads where they should be.
+    in_vain: u32,
     scratch: Vec<f64>,
 }
 
@@ -141,6 +144,7 @@ where
             pace: pace::Pace::default(),
             initial: None,
             last_shift: 0,
+            in_vain: 0,
             scratch: Vec::with_capacity(64),
             options,
         }
@@ -262,7 +266,7 @@ where
                 && active.motion.motion_mode == MotionMode::Path,
             limits_turns: active.treatment == MoveTreatment::RotaryDirection,
             settled: active.settled,
-            sides: [0; AXIS_COUNT],
+            plan: SidePlan::default(),
         }
     }
 

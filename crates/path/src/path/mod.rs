@@ -33,6 +33,7 @@ mod rotary_word;
 mod route;
 mod sampling;
 mod segment_candidate;
+mod side_plan;
 mod sides;
 mod singularity;
 mod slope;

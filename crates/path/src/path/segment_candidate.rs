@@ -8,6 +8,7 @@ use super::check::Sampler;
 use super::lead::Lead;
 use super::place::{CommandSolver, Placed, SHORT_MM};
 use super::route::{Route, distance_mm};
+use super::side_plan::SidePlan;
 use super::standing::PathState;
 
 /// Share of the tolerance for the samples; the rest covers the path between them.
@@ -48,8 +49,8 @@ pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) limits_turns: bool,
     /// Axes whose final direction is fixed, by slot: after an overshoot.
     pub(super) settled: [i8; AXIS_COUNT],
-    /// Sides that are tried first, by slot; 0 for an axis whose motion decides.
-    pub(super) sides: [i8; AXIS_COUNT],
+    /// How the bodies of the axes are led.
+    pub(super) plan: SidePlan,
 }
 
 /// A candidate piece.
@@ -287,13 +288,9 @@ impl<'m> SegmentFitter<'_, 'm> {
         let mut sense = standing.state;
         sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
         self.settle(&mut sense);
-        for (sense, &side) in sense.direction.iter_mut().zip(&self.sides) {
-            if side != 0 {
-                *sense = side;
-            }
-        }
+        self.plan.direct(&mut sense, &standing.state);
         let mut tries = 0;
-        let mut enough_mm = SAMPLED_SHARE * self.tolerance_mm;
+        let mut enough_mm = self.plan.ready_share * self.tolerance_mm;
         loop {
             let mut take_up = None;
             let turns = !self.same_sense(&sense, &standing.state);
@@ -309,7 +306,7 @@ impl<'m> SegmentFitter<'_, 'm> {
             let ready = take_up.and_then(|start| self.ready(standing, &start, &sense));
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal_start);
-            let end = place(&nominal_end, &sense, &correction);
+            let end = self.hold_words(standing, take_up.as_ref(), place(&nominal_end, &sense, &correction));
             // The actual motion: an axis that does not move keeps its direction, not the guessed one.
             let first = ready.map_or(standing.command, |placed| placed.command);
             let mut led = self.led(standing, &[standing.command, first, start, end.command], is_arc);
@@ -329,7 +326,7 @@ impl<'m> SegmentFitter<'_, 'm> {
                 }
                 // The program moves the axis by less than its backlash. A step on the spot makes room for that, though without it the tip error would
                 // be within the tolerance here.
-                enough_mm = READY_SHARE * self.tolerance_mm;
+                enough_mm = enough_mm.min(READY_SHARE * self.tolerance_mm);
             }
             sense = state;
         }

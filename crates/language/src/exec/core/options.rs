@@ -33,6 +33,8 @@ pub struct Options {
     pub keeps_tilt: bool,
     /// Marks the holes of drilling cycles in the stream, so that a correction can leave them to the control.
     pub keeps_cycles: bool,
+    /// Marks the holes of rigid tapping, which the control executes in any case, also without `keeps_cycles`.
+    pub keeps_taps: bool,
     /// Changes comments that a reader of the output would take for the marks of added lines: `;+` becomes `;+ .`.
     pub hides_marks: bool,
     /// Writes a comment before the moves of a milling cycle.

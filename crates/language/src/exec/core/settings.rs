@@ -18,6 +18,8 @@ pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) keeps_tilt: bool,
     /// Marks the holes of drilling cycles.
     pub(in crate::exec) keeps_cycles: bool,
+    /// Marks the holes of rigid tapping.
+    pub(in crate::exec) keeps_taps: bool,
     /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
     /// Splitting of rapid moves.
@@ -31,8 +33,17 @@ impl<'a> RunSettings<'a> {
     }
 
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
-        let &Options { strict, keeps_tapping, keeps_tilt, keeps_cycles, radius, rapid_order, .. } = options;
-        let requires_values = strict || options.requires_values;
-        RunSettings { machine, strict, requires_values, keeps_tapping, keeps_tilt, keeps_cycles, radius, rapid_order }
+        let &Options { strict, keeps_tapping, keeps_tilt, keeps_cycles, keeps_taps, radius, rapid_order, .. } = options;
+        RunSettings {
+            machine,
+            strict,
+            requires_values: strict || options.requires_values,
+            keeps_tapping,
+            keeps_tilt,
+            keeps_cycles,
+            keeps_taps: keeps_cycles || keeps_taps,
+            radius,
+            rapid_order,
+        }
     }
 }

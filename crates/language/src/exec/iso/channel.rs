@@ -200,6 +200,8 @@ pub(super) struct Cycles {
     pub(super) is_exact: bool,
     /// `true` after M29, which announces rigid tapping.
     pub(super) is_rigid: bool,
+    /// `true` if a tapping cycle is in force in the output although other cycles are not kept.
+    pub(super) is_tap_kept: bool,
     /// `true` if the program was warned of levels under G91 that holes under G90 use.
     pub(super) is_step_named: bool,
 }

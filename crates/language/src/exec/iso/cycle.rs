@@ -197,10 +197,10 @@ pub(super) fn cycle_at(
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     let may_stay = !is_tapping(code) || tapping::may_stay(channel, gathered);
-    let kept = (channel.settings.keeps_cycles && may_stay)
+    let kept = ((channel.settings.keeps_cycles || is_kept && channel.settings.keeps_taps) && may_stay)
         .then(|| kept_cycle::of(channel, &call, [here[abscissa], here[ordinate]], holes, &actions))
         .flatten();
-    let writes_cycle = kept.is_some() && channel.settings.writes_cycles();
+    let writes_cycle = kept.is_some() && channel.settings.strict;
     if is_kept {
         tapping::check(channel, gathered, (code, kept.is_some()), span)?;
     } else if kept.is_none()

@@ -109,6 +109,7 @@ fn starts(from: Flat, holes: usize, steps: &[Step]) -> Option<Vec<usize>> {
 
 /// Marks the beginning of a hole.
 pub(super) fn begin(channel: &mut Channel<'_>, kept: &KeptCycle) {
+    channel.cycles.is_tap_kept = !channel.settings.keeps_cycles;
     channel.push(Kind::Cycle(Some(Shared::clone(&kept.cycle))));
     if stops_exactly(channel) {
         channel.push(Kind::Keep("G61"));
@@ -137,7 +138,11 @@ fn stops_exactly(channel: &Channel<'_>) -> bool {
 /// Passes on the end of the cycles.
 pub(super) fn note_end(channel: &mut Channel<'_>, gathered: &Gathered) {
     let group = if channel.is_rs274() { Group::Motion } else { Group::Cycle };
-    if channel.settings.writes_cycles() && gathered.code(group) == Some(G80) {
+    let is_end = gathered.code(group) == Some(G80);
+    if is_end
+        && (std::mem::take(&mut channel.cycles.is_tap_kept) && channel.settings.strict
+            || channel.settings.writes_cycles())
+    {
         channel.push(Kind::Keep("G80"));
     }
 }

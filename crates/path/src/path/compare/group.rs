@@ -317,16 +317,16 @@ impl MoveGroup<'_> {
         let error = |place: &AxisVector| self.model.tip_error_mm(place, place, &piece.tool_mm, &state);
         let [start, end] = [&self.step.route.start, &self.step.route.end].map(error);
         let change_mm = (error(&own.top) - start).norm().max((error(&own.top) - end).norm());
-        let lost_mm = |axis: Axis| self.model.lost_motion(axis, &piece.route.end);
-        let lost_mm = if piece.setup.frame.is_translation() {
-            lost_mm(hole.along)
-        } else {
-            // A hole in a turned plane reverses several axes.
-            self.lead.axes.iter().map(|axis| lost_mm(axis).powi(2)).sum::<f64>().sqrt()
+        // A hole in a turned plane reverses several axes.
+        let of_drilling = |of_axis: &dyn Fn(Axis) -> f64| match piece.setup.frame.is_translation() {
+            true => of_axis(hole.along),
+            false => self.lead.axes.iter().map(|axis| of_axis(axis).powi(2)).sum::<f64>().sqrt(),
         };
         if !hole.is_back {
-            return 0.5 * change_mm + lost_mm;
+            return 0.5 * change_mm + of_drilling(&|axis| self.model.lost_motion(axis, &piece.route.end));
         }
+        // The words are for the way in. On the way out the drilling axis is on its other side, which displaces the tip along the hole and across it.
+        let lost_mm = of_drilling(&|axis| self.reversal_of_mm(piece, axis));
         let ends = [&self.step.route.end, &piece.route.end].map(|place| place[hole.along]);
         let leaves_hole = (self.step.route.end - own.top).max_abs(&AXES) > SAME_MM;
         // The way out may lead to the initial level, which may be as programmed.
@@ -342,15 +342,18 @@ impl MoveGroup<'_> {
         let is_turned = !piece.setup.frame.is_translation();
         let is_of_hole = |axis: Axis| axis == piece.setup.plane.axes()[2] || is_turned && !axis.is_rotary();
         let moves = |axis: &Axis| is_of_hole(*axis) || (end[*axis] - start[*axis]).abs() > SAME_MM;
-        let reversal_mm = |axis: Axis| {
-            let tip = |side: i8| {
-                let mut state = piece.band.state();
-                state.direction[axis.slot()] = side;
-                self.model.tip_error_mm(end, end, &piece.tool_mm, &state)
-            };
-            (tip(1) - tip(-1)).norm()
+        self.lead.axes.iter().filter(moves).map(|axis| self.reversal_of_mm(piece, axis)).sum()
+    }
+
+    /// Displacement of the tip at the end of a piece when an axis changes its side, mm: along it and across it.
+    fn reversal_of_mm(&self, piece: &ComparedMove<'_>, axis: Axis) -> f64 {
+        let end = &piece.route.end;
+        let tip = |side: i8| {
+            let mut state = piece.band.state();
+            state.direction[axis.slot()] = side;
+            self.model.tip_error_mm(end, end, &piece.tool_mm, &state)
         };
-        self.lead.axes.iter().filter(moves).map(reversal_mm).sum()
+        (tip(1) - tip(-1)).norm()
     }
 
     /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.

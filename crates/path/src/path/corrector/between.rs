@@ -10,6 +10,9 @@ use super::{Corrector, sampler_of};
 use crate::path::lead::Lead;
 use crate::path::{Output, lost_axes};
 
+/// The calls of single taps that the control executes with the words of the program.
+const TAPS: [&[u8]; 4] = [b"G98 G74 ", b"G98 G84 ", b"G98 G84.2 ", b"G98 G84.3 "];
+
 impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
@@ -28,6 +31,10 @@ where
                 return;
             }
             Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
+            Kind::Verbatim(text) if TAPS.iter().any(|call| text.starts_with(call)) => {
+                self.check_tap(&element.origin);
+                self.forget(lost_axes(&element, self.machine));
+            }
             Kind::Keep(word) if self.placer.drops(word) => {
                 self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
                 return;
@@ -39,6 +46,28 @@ where
             _ => self.forget(lost_axes(&element, self.machine)),
         }
         self.pending.push_back(Ok(Output::Element(element)));
+    }
+
+    /// Reports a tap whose depth and reference plane stay as programmed, if the tip is off there by more than the tolerance of holes.
+    fn check_tap(&mut self, origin: &Origin) {
+        let standing = &self.standing;
+        let [.., along] = self.placer.setup.plane.axes();
+        if !self.placer.is_parallel() || !AxisSet::XYZ.difference(standing.known).is_empty() {
+            return;
+        }
+        let mut command = standing.command;
+        command[along] = standing.nominal[along];
+        let sides = [-1, 1].map(|side| {
+            let mut state = standing.state;
+            state.direction[along.slot()] = side;
+            self.placer.tip_error_mm(&standing.nominal, &command, &state)
+        });
+        // Nobody states the side on which a call begins: the better one counts.
+        let off_mm = sides[0].min(sides[1]);
+        let tolerance_mm = self.options.hole_tolerance_mm.max(self.options.tolerance_mm);
+        if off_mm > self.placer.increments.allowed_mm(tolerance_mm) {
+            self.findings.tolerance_missed(origin, true, off_mm, tolerance_mm);
+        }
     }
 
     /// Gives data that the control computes from its position the values of the corrected position.

@@ -18,7 +18,7 @@ use crate::path::treatment::MoveTreatment;
 /// Allowance for the path between the places that are measured, as a share of the tolerance.
 const BETWEEN_SHARE: f64 = 0.05;
 /// Largest displacement of an arc by the rounding of its center, increments: half of one in each of two directions.
-const CENTER_INCREMENTS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+pub(super) const CENTER_INCREMENTS: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 impl<I> Corrector<'_, I>
 where

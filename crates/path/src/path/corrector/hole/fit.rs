@@ -8,6 +8,7 @@ use super::{Corrector, HoleFit, HoleLine, HoleShift, MOST_HELD};
 use crate::path::place::Placed;
 use crate::path::route::Route;
 use crate::path::segment_candidate::{SegmentCandidate, SegmentFitter};
+use crate::path::side_plan::SidePlan;
 use crate::path::standing::PathState;
 use crate::path::staying::is_better_whole;
 
@@ -108,7 +109,7 @@ where
             takes_up: false,
             limits_turns: false,
             settled: Default::default(),
-            sides: Default::default(),
+            plan: SidePlan::default(),
         };
         let trial = fitter.at_end(standing, end, &mut scratch);
         self.scratch = scratch;
