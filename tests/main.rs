@@ -4,6 +4,7 @@
 mod adversary;
 mod advice;
 mod agreement;
+mod angles_not_shown;
 mod answers;
 mod architecture;
 mod archives;

@@ -8,6 +8,8 @@ use ncfix_model::coverage::{Coverage, CoverageGap};
 
 /// Nine decimals of mm, degrees, °C and N.
 const DECIMALS: f64 = 1e9;
+/// An angle of 1 µrad over 1 m is 1 µm.
+const MM_PER_M: f64 = 1000.0;
 
 /// Coverage of positions, tools and conditions by the ranges in which the errors of the machine were measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -25,7 +27,7 @@ pub struct CoverageReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GapReport {
-    /// `no-errors`, `range-not-stated`, `squareness`, `component`, `position`, `tool-length`, `temperature` or `load`.
+    /// `no-errors`, `range-not-stated`, `squareness`, `component`, `angle`, `position`, `tool-length`, `temperature` or `load`.
     pub kind: &'static str,
     /// Code of its warning.
     pub code: &'static str,
@@ -37,8 +39,10 @@ pub struct GapReport {
     pub table: Option<String>,
     /// Squareness that no measurement shows.
     pub squareness: Option<String>,
-    /// Positioning and straightness errors of the axis that no measurement shows.
+    /// Positioning, straightness and angular errors of the axis, or places of a rotary axis, that no measurement shows.
     pub components: Vec<String>,
+    /// Largest shift of the tool per µrad by which one of these angles changes, µm/µrad.
+    pub um_per_urad: Option<f64>,
     /// Unit of `used`, `measured` and `beyond`: `mm`, `deg`, `C` or `N`.
     pub unit: &'static str,
     /// Lowest and highest value in use.
@@ -64,6 +68,7 @@ impl From<&CoverageGap> for GapReport {
             table: gap.table.map(|name| name.to_string()),
             squareness: gap.squareness.map(|name| name.to_string()),
             components: gap.components.iter().map(ToString::to_string).collect(),
+            um_per_urad: gap.arm_mm.map(|arm_mm| arm_mm / MM_PER_M),
             unit: gap.unit(),
             used: shown(gap.used),
             measured: gap.measured.map(shown),

@@ -991,11 +991,17 @@ correction leaves it on the workpiece, and the predicted error does not contain 
 the axis along the spindle, it is outside with every tool. Mostly a sign or a digit is wrong, or the value is that of another machine.
 Compare it with the control. On a part that is longer than the travel, the value may be right.";
     COMPONENT_NOT_SHOWN = "W0332" "error of an axis that no measurement shows"
-"An axis moves while the tool cuts, and no reading of the calibration shows one of its errors: the positioning along its own direction (EXX), or
-its straightness across it (EYX, EZX). For a rotary axis, it is the place where it stands (EX0C) or its inclination (EA0C). The list not_shown in
-[measured] of the machine file names them. A laser for positioning shows no straightness, two measured diagonals show only a squareness, and an
-autocollimator shows no place of a rotary axis. These errors are unknown, not zero: the correction leaves them on the workpiece, and the
-predicted error does not contain them. Measure them and calibrate again; circles of a ball-bar or probed balls show several at once.";
+"An axis moves while the tool cuts, and no reading of the calibration shows one of its errors: the positioning along its own direction (EXX), its
+straightness across it (EYX, EZX), or one of its angles (roll EAX, pitch and yaw EBX, ECX). For a rotary axis, it is the place where it stands (EX0C)
+or its inclination (EA0C). The list not_shown in [measured] of the machine file names them. A laser for positioning shows no straightness, two
+measured diagonals show only a squareness, and an autocollimator shows no place of a rotary axis. These errors are unknown, not zero: the
+correction leaves them on the workpiece, and the predicted error does not contain them. Measure them and calibrate again; circles of a ball-bar
+or probed balls show several at once.
+
+An angle displaces the tool by its distance from the line of the measurement. On the line itself, it looks like a scale or a straightness. So a laser
+along one line and circles at one height show no angle. A level shows a roll, and an autocollimator or angle optics show pitch and yaw. A laser
+on a second line beside the first shows the angle between them. The message states how far an angle of 10 µrad shifts the tool. See
+docs/how-to/calibrate-a-five-axis-machine.md.";
     BARE_TOOL = "W0333" "tool cuts without its length"
 "A tool is in the spindle, and the control adds no length for it: no G43 comes before the cut, or G49, D0 or H0 has ended the length. The
 positions are right, because the zero offset then contains the length. But ncfix takes the tip to be at the gauge point of the spindle.

@@ -13,7 +13,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisSet, ROTARY_AXES};
 const SECTION: &str = "measured";
 /// Key of the temperatures, a section with the sensors.
 const TEMPERATURES: &str = "temperature_C";
-/// Key of the squareness errors that no reading can show.
+/// Key of the errors that no reading can show.
 const NOT_SHOWN: &str = "not_shown";
 /// Plausible temperatures in a machine, °C.
 const PLAUSIBLE_C: [f64; 2] = [-60.0, 400.0];
@@ -35,7 +35,8 @@ pub struct MeasuredRanges {
     pub instruments: Vec<String>,
     /// Residual of readings that were held out of the fit, root mean square, µm.
     pub residual_um: Option<f64>,
-    /// Squareness, straightness and positioning errors that no reading can show, by their names (`EC0Y`, `EZX`); `None` if nothing states it.
+    /// Errors that no reading can show, by their names; `None` if nothing states it. Squareness (`EC0Y`), positioning, straightness (`EZX`) and angles (`EAX`) of
+    /// linear axes, places of rotary axes (`EX0C`) and of the spindle.
     pub not_shown: Option<Vec<String>>,
 }
 
@@ -137,12 +138,12 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges.instruments = section.texts("instruments").unwrap_or_default();
     ranges.residual_um = section.number_where("residual_um", "a number that is not negative", |um| um >= 0.0);
     if let Some(names) = section.texts(NOT_SHOWN) {
-        let is_own = |name: &String| is_squareness(name, axes) || is_translation(name, axes) || is_place(name, axes);
+        let is_own = |name: &String| is_squareness(name, axes) || is_motion(name, axes) || is_place(name, axes);
         let (own, others): (Vec<String>, Vec<String>) = names.into_iter().partition(is_own);
         ranges.not_shown = Some(own);
         for name in others {
             let message = format!(
-                "{NOT_SHOWN} has '{name}', which is no squareness, straightness or positioning error of a linear axis of this machine, and no place of a rotary axis"
+                "{NOT_SHOWN} has '{name}', which is no squareness, positioning, straightness or angular error of a linear axis of this machine, and no place of a rotary axis"
             );
             let help = "write the names of such errors, for example [\"EC0Y\", \"EZX\"]";
             section.report(Code::BAD_VALUE, section.place_of(NOT_SHOWN), message, help);
@@ -152,11 +153,11 @@ pub(super) fn read(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<D
     ranges
 }
 
-/// True for the positioning or a straightness of a linear axis of the machine: `EXX`, `EZX`.
-fn is_translation(name: &str, axes: AxisSet) -> bool {
+/// True for the positioning, a straightness or an angle of a linear axis of the machine: `EXX`, `EZX`, `EAX`.
+fn is_motion(name: &str, axes: AxisSet) -> bool {
     axes.iter()
         .filter(|axis| !axis.is_rotary())
-        .any(|axis| ['X', 'Y', 'Z'].iter().any(|along| name == format!("E{along}{axis}")))
+        .any(|axis| "XYZABC".chars().any(|along| name == format!("E{along}{axis}")))
 }
 
 /// True for a location error of a rotary axis of the machine, or of the spindle: `EX0C`, `EB0S`.
@@ -247,9 +248,11 @@ mod tests {
         assert!(!read_text(bare).0.written_into(bare).unwrap().contains("not_shown"));
         let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EZX\", \"EXX\"]\n");
         assert_eq!((findings.len(), ranges.not_shown.map_or(0, |names| names.len())), (0, 2));
-        // Two rolls, the place of a rotary axis, which can be listed, and an axis that the machine lacks.
-        let (ranges, findings) = read_text("[measured]\nnot_shown = [\"EAX\", \"EA0X\", \"EA0C\", \"EC0Y\"]\n");
-        assert_eq!((findings.len(), ranges.not_shown), (3, Some(vec!["EA0C".to_owned()])), "{findings:?}");
+        // A roll and the place of a rotary axis can be listed. A roll of the axis as a whole, the tilt of a turning axis, and an axis that the machine lacks cannot.
+        let text = "[measured]\nnot_shown = [\"EAX\", \"EA0X\", \"EA0C\", \"EAC\", \"EC0Y\"]\n";
+        let (ranges, findings) = read_text(text);
+        let own = Some(vec!["EAX".to_owned(), "EA0C".to_owned()]);
+        assert_eq!((findings.len(), ranges.not_shown), (3, own), "{findings:?}");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! The types are printed by `--json`; [`ncfix_report`](https://docs.rs/ncfix-report) draws them as text and pages.
 
 mod alignment;
+mod angles;
 mod calibrated;
 pub mod calibration;
 mod cells;

@@ -1,8 +1,9 @@
-//! Squareness, positioning and straightness errors, tilts of the spindle, and places of rotary axes, that no reading of a calibration can show.
+//! Squareness, positioning, straightness and angular errors, tilts of the spindle, and places of rotary axes, that no reading of a calibration can show.
 //!
 //! A laser along X and another along Y say nothing about the angle between the two axes, and neither does a straightness whose reference was aligned by hand.
 //! The error model then has no squareness, and nothing distinguishes it from a measured one of zero. So the machine file names it.
 
+use super::angles::{ONE_LENGTH_MM, shown, with_effect};
 use super::rotary_places::{places, shows_place};
 use crate::calibrate::automatic::usual_errors;
 use crate::calibrate::{Parameter, identify};
@@ -18,14 +19,11 @@ use ncfix_model::{ErrorModel, ParameterName};
 /// Length of a travel below which an axis counts as standing, mm or rad.
 const STANDS: f64 = 1e-6;
 
-/// Difference of tool lengths below which they are one, mm.
-const ONE_LENGTH_MM: f64 = 1.0;
-
 /// Component of the spindle axis above which a turn about this direction is no tilt.
 const ALONG: f64 = 0.99;
 
 /// The names for [`MeasuredRanges::not_shown`]: pairs of measured axes whose squareness neither the errors at the start nor any of these measurements show,
-/// and likewise errors of one measured axis and places of rotary axes.
+/// and likewise errors of one measured axis, its angles if they have an effect of their own in the measured ranges, and places of rotary axes.
 /// `ranges` are those after the measurements. The readings show an error only if they separate it from the location errors and scales of the machine.
 /// A squareness that they show and the model lacks, or that was left out of it (`omitted`), remains unknown: other parameters have absorbed it. What the fit
 /// has found (`fitted`) is known, and so is what an earlier calibration has shown. `None` if there is nothing to state.
@@ -99,6 +97,19 @@ pub fn not_shown(
         let tilts = tilts.map(|&of| ErrorName::spindle(of)).filter(is_open).map(|name| name.to_string());
         let new: Vec<String> = tilts.filter(|name| !names.contains(name)).collect();
         names.extend(new);
+    }
+    // Angles: an earlier calibration has judged those that had an effect in its ranges.
+    let judged = earlier.map_or_else(Vec::new, |earlier| with_effect(machine, earlier));
+    let is_open = |name: &ErrorName| {
+        let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
+        let is_known = !is_listed && judged.iter().any(|angle| angle.name == *name);
+        !is_known && !is_fitted(name) && !start.motion.iter().any(|error| error.name == *name)
+    };
+    let angles = with_effect(machine, ranges);
+    if angles.iter().any(|angle| is_open(&angle.name)) {
+        let shown = shown(machine, &angles, &others, &data);
+        let open = angles.iter().map(|angle| angle.name).filter(|name| is_open(name) && !shown.contains(name));
+        names.extend(open.map(|name| name.to_string()));
     }
     let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
     (was_stated || !names.is_empty()).then_some(names)

@@ -69,19 +69,26 @@ fn is_along(of: Direction, direction: &Vector) -> bool {
     direction[of.index() % 3].abs() > ALONG * direction.norm()
 }
 
-/// Poses in the travel of a machine: multiples of the roots of small primes, each in its unit interval, are spread evenly and have no pattern.
+/// Poses in the travel of a machine.
 fn poses(machine: &Machine) -> Vec<AxisVector> {
+    spread(machine, POSES, |axis| {
+        let half = UNLIMITED[usize::from(axis.is_rotary())];
+        machine.axis(axis).and_then(|data| data.travel).unwrap_or([-half, half])
+    })
+}
+
+/// Poses in these ranges of the axes, mm or rad: multiples of the roots of small primes, each in its unit interval, are spread evenly and have no pattern.
+pub(super) fn spread(machine: &Machine, count: usize, range: impl Fn(Axis) -> [f64; 2]) -> Vec<AxisVector> {
     const PRIMES: [f64; 9] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0];
     let of = |k: usize| {
         let mut pose = AxisVector::ZERO;
         for (axis, prime) in machine.axis_set().iter().zip(PRIMES.into_iter().cycle()) {
-            let half = UNLIMITED[usize::from(axis.is_rotary())];
-            let [low, high] = machine.axis(axis).and_then(|data| data.travel).unwrap_or([-half, half]);
+            let [low, high] = range(axis);
             pose[axis] = low + (high - low) * (k as f64 * prime.sqrt()).fract();
         }
         pose
     };
-    (1..=POSES).map(of).collect()
+    (1..=count).map(of).collect()
 }
 
 /// True if an error displaces the tool in the workpiece as another set-up of the workpiece would: then no distance between two places changes.

@@ -3,6 +3,7 @@
 //! A gap is an assumption: the error model has a value there, but no measurement supports it. The machine file states the ranges in `[measured]`, and a
 //! table of an axis states its own by its positions.
 
+mod angles;
 mod text;
 
 use std::collections::BTreeMap;
@@ -50,6 +51,8 @@ pub enum GapKind {
     Squareness,
     /// An axis moves, and no measurement shows its positioning or a straightness.
     Component,
+    /// An axis moves, and no measurement shows one of its angles.
+    Angle,
     /// Position beyond the measured range.
     Position,
     /// Tool shorter or longer than the tools of the measurement.
@@ -73,8 +76,10 @@ pub struct CoverageGap {
     pub table: Option<ErrorName>,
     /// Squareness that no measurement shows.
     pub squareness: Option<ErrorName>,
-    /// Positioning and straightness errors, and places of rotary axes, that no measurement shows.
+    /// Positioning, straightness and angular errors, and places of rotary axes, that no measurement shows.
     pub components: Vec<ErrorName>,
+    /// Longest arm over which one of these angles displaces the tool, mm: 1 µrad of it over 1000 mm are 1 µm.
+    pub arm_mm: Option<f64>,
     /// Lowest and highest value in use: mm, rad, °C or N.
     pub used: [f64; 2],
     /// Measured range in the same unit, if it is known.
@@ -103,6 +108,7 @@ impl GapKind {
             GapKind::RangeNotStated => "range-not-stated",
             GapKind::Squareness => "squareness",
             GapKind::Component => "component",
+            GapKind::Angle => "angle",
             GapKind::Position => "position",
             GapKind::ToolLength => "tool-length",
             GapKind::Temperature => "temperature",
@@ -117,10 +123,29 @@ impl GapKind {
             GapKind::NoErrors => Code::AXIS_WITHOUT_ERRORS,
             GapKind::RangeNotStated => Code::RANGE_NOT_STATED,
             GapKind::Squareness => Code::SQUARENESS_NOT_SHOWN,
-            GapKind::Component => Code::COMPONENT_NOT_SHOWN,
+            GapKind::Component | GapKind::Angle => Code::COMPONENT_NOT_SHOWN,
             GapKind::Position => Code::BEYOND_MEASURED,
             GapKind::ToolLength => Code::TOOL_BEYOND_MEASURED,
             GapKind::Temperature | GapKind::Load => Code::STATE_BEYOND_MEASURED,
+        }
+    }
+}
+
+impl CoverageGap {
+    /// Returns a gap of a kind for used values, mm, rad, °C or N, of which nothing else is known.
+    fn new(kind: GapKind, used: [f64; 2]) -> CoverageGap {
+        CoverageGap {
+            kind,
+            axis: None,
+            sensor: None,
+            table: None,
+            squareness: None,
+            components: Vec::new(),
+            arm_mm: None,
+            used,
+            measured: None,
+            beyond: 0.0,
+            size_mm: None,
         }
     }
 }
@@ -140,6 +165,7 @@ impl Coverage {
         }
         survey.squareness(&mut gaps);
         survey.components(&mut gaps);
+        survey.angles(&mut gaps);
         survey.tools(&mut gaps);
         survey.temperatures(&mut gaps);
         gaps.extend(survey.load());
@@ -215,18 +241,7 @@ impl<'a> Survey<'a> {
     }
 
     fn axis(&self, axis: Axis, used: [f64; 2], gaps: &mut Vec<CoverageGap>) {
-        let gap = |kind| CoverageGap {
-            kind,
-            axis: Some(axis),
-            sensor: None,
-            table: None,
-            squareness: None,
-            components: Vec::new(),
-            used,
-            measured: None,
-            beyond: 0.0,
-            size_mm: None,
-        };
+        let gap = |kind| CoverageGap { axis: Some(axis), ..CoverageGap::new(kind, used) };
         // The zero offset contains the error of a linear axis that stands still. A rotary axis in its zero position is where the others were measured.
         let is_zero = used.iter().all(|end| end.abs() <= ON_LIMIT);
         let stays = if axis.is_rotary() { is_zero } else { used[1] - used[0] <= ON_LIMIT };
@@ -335,16 +350,10 @@ impl<'a> Survey<'a> {
             }
             let Some(axis) = name.axis() else { continue };
             gaps.push(CoverageGap {
-                kind: GapKind::Squareness,
                 axis: Some(axis),
-                sensor: None,
-                table: None,
                 squareness: Some(name),
-                components: Vec::new(),
-                used: self.used.axes.get(&axis).copied().unwrap_or_default(),
                 measured: self.measured.axes.get(&axis).copied(),
-                beyond: 0.0,
-                size_mm: None,
+                ..CoverageGap::new(GapKind::Squareness, self.used.axes.get(&axis).copied().unwrap_or_default())
             });
         }
     }
@@ -352,23 +361,8 @@ impl<'a> Survey<'a> {
     /// Axes that move, and whose positioning or straightness, or whose place if they turn, the calibration could not show. An error that the file states is known
     /// from elsewhere.
     fn components(&self, gaps: &mut Vec<CoverageGap>) {
-        let names = self.measured.not_shown.iter().flatten().filter_map(|name| name.parse::<ErrorName>().ok());
-        let is_stated = |name: &ErrorName| match name.kind {
-            ErrorKind::Motion => self.errors.motion.iter().any(|error| error.name == *name),
-            ErrorKind::Location => states_place(self.errors, *name),
-        };
-        let open: Vec<ErrorName> = names.filter(|name| !is_squareness(name) && !is_stated(name)).collect();
-        // A rotary axis in its zero position is where the others were measured.
-        let moves = |axis: Axis, [low, high]: [f64; 2]| {
-            if axis.is_rotary() { low.abs().max(high.abs()) > ON_LIMIT } else { high - low > ON_LIMIT }
-        };
-        let moving: Vec<(Axis, [f64; 2])> = self
-            .used
-            .axes
-            .iter()
-            .map(|(&axis, &used)| (axis, used))
-            .filter(|&(axis, used)| moves(axis, used))
-            .collect();
+        let open: Vec<ErrorName> = self.not_shown().filter(|name| !is_squareness(name) && !is_angle(name)).collect();
+        let moving = self.moving();
         // The place of the spindle belongs to the first axis that turns it.
         let turns_spindle = |axis: &Axis| axis.is_rotary() && self.machine.topology.tool.contains(axis);
         let of_spindle = moving.iter().map(|(axis, _)| *axis).find(turns_spindle);
@@ -385,18 +379,30 @@ impl<'a> Survey<'a> {
                 continue;
             }
             gaps.push(CoverageGap {
-                kind: GapKind::Component,
                 axis: Some(axis),
-                sensor: None,
-                table: None,
-                squareness: None,
                 components,
-                used,
                 measured: self.measured.axes.get(&axis).copied(),
-                beyond: 0.0,
-                size_mm: None,
+                ..CoverageGap::new(GapKind::Component, used)
             });
         }
+    }
+
+    /// The errors that no measurement shows and the file does not state. One that it states is known from elsewhere.
+    fn not_shown(&self) -> impl Iterator<Item = ErrorName> {
+        let names = self.measured.not_shown.iter().flatten().filter_map(|name| name.parse::<ErrorName>().ok());
+        names.filter(|name| match name.kind {
+            ErrorKind::Motion => !self.errors.motion.iter().any(|error| error.name == *name),
+            ErrorKind::Location => !states_place(self.errors, *name),
+        })
+    }
+
+    /// Axes that move, with their used ranges. A rotary axis in its zero position is where the others were measured.
+    fn moving(&self) -> Vec<(Axis, [f64; 2])> {
+        let moves = |axis: Axis, [low, high]: [f64; 2]| {
+            if axis.is_rotary() { low.abs().max(high.abs()) > ON_LIMIT } else { high - low > ON_LIMIT }
+        };
+        let all = self.used.axes.iter().map(|(&axis, &used)| (axis, used));
+        all.filter(|&(axis, used)| moves(axis, used)).collect()
     }
 
     fn tools(&self, gaps: &mut Vec<CoverageGap>) {
@@ -416,16 +422,10 @@ impl<'a> Survey<'a> {
             };
             let size = |pose: &AxisVector| (deviation(pose, &tool_mm) - deviation(pose, &(direction * end_mm))).norm();
             gaps.push(CoverageGap {
-                kind: GapKind::ToolLength,
-                axis: None,
-                sensor: None,
-                table: None,
-                squareness: None,
-                components: Vec::new(),
-                used,
                 measured: Some(measured),
                 beyond,
                 size_mm: self.has_angles.then(|| self.poses.iter().map(size).fold(0.0, f64::max)),
+                ..CoverageGap::new(GapKind::ToolLength, used)
             });
         }
     }
@@ -439,16 +439,11 @@ impl<'a> Survey<'a> {
                 let mut inside = [self.condition.clone()];
                 change_readings(&mut inside, sensor, &|value| value.clamp(measured[0], measured[1]));
                 gaps.push(CoverageGap {
-                    kind: GapKind::Temperature,
-                    axis: None,
                     sensor: Some(sensor.to_owned()),
-                    table: None,
-                    squareness: None,
-                    components: Vec::new(),
-                    used: [now_c; 2],
                     measured: Some(measured),
                     beyond,
                     size_mm: Some(self.unlike(&inside[0])),
+                    ..CoverageGap::new(GapKind::Temperature, [now_c; 2])
                 });
             }
         }
@@ -468,16 +463,10 @@ impl<'a> Survey<'a> {
             inside.add_load(Load { force_n: load.force_n * end_n / now_n, ..*load });
         }
         Some(CoverageGap {
-            kind: GapKind::Load,
-            axis: None,
-            sensor: None,
-            table: None,
-            squareness: None,
-            components: Vec::new(),
-            used: [now_n; 2],
             measured: Some(measured),
             beyond,
             size_mm: Some(self.unlike(&inside)),
+            ..CoverageGap::new(GapKind::Load, [now_n; 2])
         })
     }
 
@@ -500,6 +489,11 @@ fn pair_of(name: ErrorName) -> Option<[Axis; 2]> {
     let about = name.direction.index() % 3;
     let other = LINEAR_AXES.into_iter().find(|other| ![about, axis.dimension()].contains(&other.dimension()))?;
     Some(if axis < other { [axis, other] } else { [other, axis] })
+}
+
+/// True for an angle of a linear axis that depends on its position.
+fn is_angle(name: &ErrorName) -> bool {
+    !name.is_location() && name.direction.is_rotation() && name.axis().is_some_and(|axis| !axis.is_rotary())
 }
 
 /// True for the rotation of a linear axis as a whole.

@@ -2,12 +2,14 @@
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::number::micrometers;
-use ncfix_base::units::um_from_mm;
+use ncfix_base::units::{rad_from_urad, um_from_mm};
 
 use super::{Coverage, CoverageGap, GapKind};
 
 /// Sizes below this are not worth a number, µm.
 const LEAST_UM: f64 = 0.01;
+/// Angle whose effect a message states, µrad: that of a good axis over its travel.
+const EXAMPLE_URAD: f64 = 10.0;
 
 impl Coverage {
     /// Returns a diagnostic for each gap: a warning, or an error if coverage is required, which unknown ranges do not fulfill either.
@@ -44,13 +46,17 @@ impl Coverage {
         if let Some((message, help)) = self.components() {
             say(GapKind::Component.code(), message, help);
         }
+        if let Some((message, help)) = self.angles() {
+            say(GapKind::Angle.code(), message, help);
+        }
         found
     }
 
     /// Returns message and help of positioning and straightness errors, and places of rotary axes, that no measurement shows.
     fn components(&self) -> Option<(String, String)> {
         let (axes, verb, ..) = self.subjects(GapKind::Component)?;
-        let all = || self.gaps.iter().flat_map(|gap| &gap.components);
+        let gaps = || self.gaps.iter().filter(|gap| gap.kind == GapKind::Component);
+        let all = || gaps().flat_map(|gap| &gap.components);
         let names: Vec<String> = all().map(|name| format!("{name} ({})", name.spelled_out())).collect();
         // The other axes of a machine show no bound: a place or a scale that nobody measured is as it was adjusted.
         let size = if names.len() == 1 { "its size is unknown" } else { "their sizes are unknown" };
@@ -68,6 +74,24 @@ impl Coverage {
             "measure them, for example {example}, and calibrate; or remove those that are known from not_shown in [measured]"
         );
         Some((message, help))
+    }
+
+    /// Returns message and help of angles that no measurement shows, with the displacement by an angle of [`EXAMPLE_URAD`].
+    fn angles(&self) -> Option<(String, String)> {
+        let (axes, verb, ..) = self.subjects(GapKind::Angle)?;
+        let gaps = || self.gaps.iter().filter(|gap| gap.kind == GapKind::Angle);
+        let names: Vec<String> =
+            gaps().flat_map(|gap| &gap.components).map(|name| format!("{name} ({})", name.spelled_out())).collect();
+        let arm_mm = gaps().filter_map(|gap| gap.arm_mm).fold(0.0, f64::max);
+        let size = micrometers(um_from_mm(rad_from_urad(EXAMPLE_URAD) * arm_mm));
+        let (what, of) = if names.len() == 1 { ("the angle", "it") } else { ("the angles", "one of them") };
+        let message = format!(
+            "{axes} {verb}, and no measurement shows {what} {}; a change of {of} by {EXAMPLE_URAD} µrad shifts the tool by up to {size}",
+            names.join(", ")
+        );
+        let help = "measure them, for example with a level, an autocollimator, a laser on a second line beside the first, or with circles, plates or balls at \
+                    several heights and with two tool lengths, and calibrate; or remove those that are known from not_shown in [measured]";
+        Some((message, help.to_owned()))
     }
 
     /// Returns the axes of a kind of gaps as a subject, with its verb, its errors and its passive.
@@ -132,7 +156,9 @@ fn sentence(gap: &CoverageGap) -> Option<(String, String)> {
     let size = size.map_or_else(String::new, |um| format!("; {} of the error is extrapolated", micrometers(um)));
     let unit = gap.unit();
     Some(match gap.kind {
-        GapKind::NoErrors | GapKind::RangeNotStated | GapKind::Squareness | GapKind::Component => return None,
+        GapKind::NoErrors | GapKind::RangeNotStated | GapKind::Squareness | GapKind::Component | GapKind::Angle => {
+            return None;
+        }
         GapKind::Position => {
             let axis = gap.axis?;
             let range = match gap.table {
