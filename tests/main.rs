@@ -170,6 +170,7 @@ mod machine_file;
 mod machine_new;
 mod machines;
 mod maho;
+mod mean_lines;
 mod measured;
 mod memory;
 mod methods;

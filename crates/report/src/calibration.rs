@@ -11,7 +11,7 @@ use super::inputs::InputFile;
 use super::json::DiagnosticReport;
 use super::number::significant;
 use super::selection;
-use ncfix_metrology::results::calibration::{CalibrationResult, EstimateReport};
+use ncfix_metrology::results::calibration::{CalibrationResult, EstimateReport, MeanLineReport};
 
 /// Maximum number of outlier rows that are listed.
 const MOST_SHOWN: usize = 20;
@@ -50,7 +50,9 @@ pub fn cells(one: &EstimateReport) -> [String; 4] {
     if !one.sigma.is_finite() {
         return ["-".into(), "unknown".into(), effect, "-".into()];
     }
-    let [sigma, inflation] = [one.sigma, one.inflation].map(significant);
+    let sigma = significant(one.sigma);
+    // A slope that follows from the curve is shown by no reading.
+    let inflation = if one.inflation.is_finite() { significant(one.inflation) } else { "-".into() };
     let decimals = sigma.split_once('.').map_or(0, |(_, behind)| behind.len());
     [format!("{:.decimals$}", one.value), sigma, effect, inflation]
 }
@@ -177,6 +179,15 @@ impl CalibrationReport {
                 "condition",
                 &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} iterations"),
             );
+        }
+        for line in &found.mean_lines {
+            let turn = if line.turn_urad > 0.0 {
+                format!("; that over the travel may be turned: ± {} µrad (1σ)", significant(line.turn_urad))
+            } else {
+                String::new()
+            };
+            let MeanLineReport { slope, from_mm, to_mm, .. } = line;
+            push_row(&mut out, "direction", &format!("{slope}: mean line from {from_mm} to {to_mm} mm{turn}"));
         }
         let left_out: usize = found.left_out.iter().map(|one| one.parameters.len()).sum();
         let rest = if left_out > 0 { format!(" without {left_out} of its parameters") } else { String::new() };

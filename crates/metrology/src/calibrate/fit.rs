@@ -16,6 +16,7 @@ use super::design::{Design, EquationOrigin, ReadingEquation, tie_sigma};
 use super::effect::Parameter;
 use super::fault::{FitError, Unsettled};
 use super::identify::{Identified, judge};
+use super::mean_line::MeanLine;
 use super::noise::{NoiseGroups, group_of};
 use super::robust::TUKEY_VARIANCE;
 use super::row_store::RowStore;
@@ -75,6 +76,8 @@ pub struct Fit {
     pub rounds: usize,
     /// Factor L of the covariance L·Lᵀ of the parameters of the machine: a row for each, mm, rad, per power. Set-up unknowns are free in it.
     pub factor: Vec<Vec<f64>>,
+    /// Mean lines of the axes to which the fit is referred. Their slopes are the last estimates, and have the last rows of the factor.
+    pub mean_lines: Vec<MeanLine>,
 }
 
 impl Fit {
@@ -425,7 +428,19 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .unzip();
     let (condition, freedom) = (rounds.judged.condition, solution.freedom);
     let factor = factor_of(&(&solution.cofactors * spread), rounds.design.parameters.len());
-    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count, factor }
+    Fit {
+        errors,
+        estimates,
+        sigmas,
+        angle_sigmas,
+        residuals,
+        ties,
+        condition,
+        freedom,
+        rounds: count,
+        factor,
+        mean_lines: Vec::new(),
+    }
 }
 
 /// The lower triangular factor of the covariance of the first unknowns. Columns are scaled to unit length first, as their units differ by many powers of ten.

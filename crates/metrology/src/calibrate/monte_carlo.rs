@@ -17,6 +17,7 @@ use super::effect::Parameter;
 use super::fault::FitError;
 use super::fit::{Fit, FitOptions, fit_judged};
 use super::identify::{Identified, judge};
+use super::mean_line::level;
 
 /// Permitted relative difference between uncertainty and scatter.
 const AGREES: f64 = 0.25;
@@ -97,7 +98,10 @@ impl Job<'_> {
         }
         let found =
             fit_judged(self.machine, &self.fit.errors, self.parameters, &data, self.options, self.judged).ok()?;
-        Some(found.estimates.iter().map(|one| one.value).collect())
+        let mut values = found.estimates.iter().map(|one| one.value).collect();
+        // A repetition begins with the slopes of the fit.
+        level(&self.fit.mean_lines, &self.fit.errors, &mut values);
+        Some(values)
     }
 
     /// Simulates new readings of a measurement.

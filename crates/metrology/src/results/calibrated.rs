@@ -21,6 +21,9 @@ pub struct CalibrationResult {
     /// Squareness errors that the readings show and the stated model lacks.
     #[serde(skip)]
     pub omitted: Vec<String>,
+    /// Slopes that give axes the direction of their mean lines, because no reading fixes it; they are among the parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mean_lines: Vec<MeanLineReport>,
     /// Unknowns of the set-ups.
     pub unknowns: Vec<EstimateReport>,
     /// Parameters of the model that were left out because the data do not determine them.
@@ -43,6 +46,21 @@ pub struct CalibrationResult {
     pub machine: String,
     /// Selection of the parameters, if any.
     pub selection: Option<Selection>,
+}
+
+/// The mean line of a straightness, which has the direction of its axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct MeanLineReport {
+    /// Its slope at the zero of the axis: `EYX1`.
+    pub slope: String,
+    /// Lower end of the range in which the readings show the straightness.
+    pub from_mm: f64,
+    /// Upper end of the range.
+    pub to_mm: f64,
+    /// Standard uncertainty of the direction, because the travel is longer than the range.
+    pub turn_urad: f64,
 }
 
 /// An estimated number.

@@ -1,6 +1,6 @@
 //! A complete calibration: checks of the readings, the fit, its uncertainties, and the residuals of every measurement.
 
-pub use super::calibrated::{CalibrationResult, Data, EstimateReport, KeptReadings, OutlierRow};
+pub use super::calibrated::{CalibrationResult, Data, EstimateReport, KeptReadings, MeanLineReport, OutlierRow};
 use super::cells::{cell, estimate, weighted_down};
 use super::held::{ComparedMeasurement, fitted};
 use super::measurement::{Measurement, check_copies, data_of};
@@ -10,7 +10,8 @@ use super::residuals::residual_table;
 use super::selection;
 use super::widened::widen;
 use super::{
-    conditions, figures, has_errors, not_identified, omitted, references, relative, repeated, signs, slope, uncertain,
+    conditions, figures, frame, has_errors, not_identified, omitted, references, relative, repeated, signs, slope,
+    uncertain,
 };
 use crate::calibrate::{
     ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, fit, quality, select,
@@ -214,11 +215,13 @@ impl PreparedFit<'_> {
         };
         widen(&mut fit, self.begin.growth);
         // Simulated repetitions have the noise of the readings alone.
-        let of_noise = self.settings.monte_carlo.map(|how| (how, fit.clone()));
+        let mut of_noise = self.settings.monte_carlo.map(|how| (how, fit.clone()));
         if let Err(fault) = add_certificates(self.begin.machine, &parameters, &data, self.options(), &mut fit) {
             not_identified::refuse(fault, "with the lengths of certificates: ", &self.used, findings);
             return None;
         }
+        let (of, noise) = ((self.begin.machine, start), of_noise.as_mut().map(|(_, fit)| fit));
+        report.mean_lines = frame::refer(of, &parameters, &self.used, &mut fit, noise);
         let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);
         for found in &fit.estimates {
             let one = estimate(found, start, &data);

@@ -19,6 +19,7 @@ pub mod extended;
 pub mod features;
 mod figure;
 pub mod figures;
+mod frame;
 mod held;
 pub mod hypotheses;
 pub mod measurement;

@@ -12,9 +12,10 @@ use ncfix_base::geometry::{AXES, Axis, Plane};
 use ncfix_machine::machine::squareness::{pair, squareness};
 use ncfix_machine::machine::{Machine, MeasuredRanges};
 use ncfix_model::coverage::{states_place, states_slope, states_squareness};
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::ComponentTerm;
-use ncfix_model::{ErrorModel, ParameterName};
+use ncfix_model::{ErrorModel, MotionError, ParameterName};
 
 /// Length of a travel below which an axis counts as standing, mm or rad.
 const STANDS: f64 = 1e-6;
@@ -38,7 +39,13 @@ pub fn not_shown(
     let data: Vec<DataSet> = sets.iter().map(|set| (*set).clone()).collect();
     let others = separate_from(machine, start, &data);
     let shows = |name: ParameterName| shows_beside(machine, name, &others, &data);
-    let is_fitted = |name: &ErrorName| fitted.iter().any(|own| own.component == *name);
+    // A backlash says nothing about the mean of both directions.
+    let is_fitted =
+        |name: &ErrorName| fitted.iter().any(|own| own.component == *name && own.term != ComponentTerm::Backlash);
+    let states = |name: &ErrorName| {
+        let of = |error: &&MotionError| error.name == *name && !matches!(error.function, EntryFunction::Backlash(_));
+        start.motion.iter().any(|error| of(&error))
+    };
     let direction = |axis: Axis| machine.axis(axis).map(|data| data.direction);
     let earlier = machine.measured.as_ref();
     let is_open = |name: &str, axes: [Axis; 2]| {
@@ -65,7 +72,7 @@ pub fn not_shown(
     let is_unknown = |axis: Axis, name: &ErrorName| {
         let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
         let was_measured = earlier.is_some_and(|one| one.axes.contains_key(&axis));
-        let is_stated = start.motion.iter().any(|error| error.name == *name);
+        let is_stated = states(name);
         // A scale, or the bow of a straightness.
         let degree = if name.direction.index() == axis.dimension() { 1 } else { 2 };
         let is_open = (is_listed || !was_measured) && !is_stated && !is_fitted(name);
@@ -74,6 +81,24 @@ pub fn not_shown(
     for axis in AXES.into_iter().filter(|axis| !axis.is_rotary() && ranges.axes.contains_key(axis)) {
         let own = DIRECTIONS[..3].iter().map(|&direction| ErrorName::motion(direction, axis));
         names.extend(own.filter(|name| is_unknown(axis, name)).map(|name| name.to_string()));
+    }
+    // Where one scale is left open, the others are relative to it, unless the readings show them alone.
+    let scale = |axis: Axis| DIRECTIONS.get(axis.dimension()).map(|&direction| ErrorName::motion(direction, axis));
+    let linear = || AXES.into_iter().filter(|axis| !axis.is_rotary() && ranges.axes.contains_key(axis));
+    if linear().filter_map(scale).any(|name| names.contains(&name.to_string())) {
+        let is_relative = |axis: Axis, name: &ErrorName| {
+            let is_listed =
+                earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
+            let was_measured = earlier.is_some_and(|one| one.axes.contains_key(&axis));
+            let is_known = was_measured && !is_listed || states(name);
+            !is_known && is_fitted(name) && !shows(ParameterName::coefficient(*name, 1))
+        };
+        let relative: Vec<String> = linear()
+            .filter_map(|axis| scale(axis).filter(|name| is_relative(axis, name)))
+            .map(|name| name.to_string())
+            .filter(|name| !names.contains(name))
+            .collect();
+        names.extend(relative);
     }
     // The place of a rotary axis that was measured.
     for place in places(machine) {
@@ -103,7 +128,7 @@ pub fn not_shown(
     let is_open = |name: &ErrorName| {
         let is_listed = earlier.is_some_and(|one| one.not_shown.iter().flatten().any(|one| *one == name.to_string()));
         let is_known = !is_listed && judged.iter().any(|angle| angle.name == *name);
-        !is_known && !is_fitted(name) && !start.motion.iter().any(|error| error.name == *name)
+        !is_known && !is_fitted(name) && !states(name)
     };
     let angles = with_effect(machine, ranges);
     if angles.iter().any(|angle| is_open(&angle.name)) {

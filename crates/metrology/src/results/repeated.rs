@@ -93,6 +93,7 @@ mod tests {
             freedom: 1,
             rounds: 1,
             factor: Vec::new(),
+            mean_lines: Vec::new(),
         };
         // With 201 repetitions three standard deviations of a standard deviation are 15 %: the limit is 40 %.
         let found = MonteCarlo { spreads: vec![2.7, 2.9, 1.0], runs: 201, failed: 0 };

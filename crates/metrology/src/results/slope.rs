@@ -4,20 +4,18 @@
 //! curvature has its vertex at the zero of the axis, so that without a slope it would tilt the axis by an arbitrary angle.
 
 use super::measurement::{Measurement, data_of};
+use crate::calibrate::mean_line::mean_slope;
 use crate::calibrate::{Column, Estimate, Fit, Parameter, identify};
 use crate::diagnose::cause::own;
 use crate::measure::data::DataSet;
 use crate::measure::kind::Unknown;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::number::significant;
 use ncfix_base::units::urad_from_rad;
-use ncfix_machine::machine::{Machine, State};
+use ncfix_machine::machine::Machine;
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
-
-/// Number of points of the line, enough for curves of degree 9.
-const POINTS: u32 = 200;
 
 /// Gives every straightness whose curvature was fitted, but whose slope the readings do not show, the slope that makes it straight on average over the
 /// measured range.
@@ -34,21 +32,18 @@ pub(super) fn level(
             continue;
         }
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-            let fitted: Vec<ParameterName> = parameters
-                .iter()
-                .filter_map(|one| match one {
-                    Parameter::Geometry(name) if name.component == component => Some(*name),
-                    _ => None,
-                })
-                .collect();
+            let fitted = numbers_of(component, parameters);
             let slope = ParameterName::coefficient(component, 1);
             let is_curve = |name: &ParameterName| match name.term {
                 ComponentTerm::Coefficient(degree) | ComponentTerm::Knot { degree, .. } => degree > 1,
                 _ => false,
             };
-            let is_across = !component.direction.is_rotation() && component != own(axis);
             // A slope of the start file is a measured one.
-            if !is_across || !fitted.iter().any(is_curve) || fitted.contains(&slope) || slope.get(&fit.errors) != 0.0 {
+            if !is_across(component, axis)
+                || !fitted.iter().any(is_curve)
+                || fitted.contains(&slope)
+                || slope.get(&fit.errors) != 0.0
+            {
                 continue;
             }
             // Alone: beside a squareness in the model, the slope is that of the squareness.
@@ -64,17 +59,10 @@ pub(super) fn level(
                 }
                 continue;
             }
-            // A file that does not show the curve does not extend its range.
-            let curve: Vec<Parameter> =
-                fitted.iter().filter(|name| is_curve(name)).copied().map(Parameter::from).collect();
-            let shows = |one: &&Measurement| {
-                identify(machine, &fit.errors, &curve, std::slice::from_ref(&one.data))
-                    .is_some_and(|told| told.lost.leave_out.len() < curve.len())
-            };
-            let ranges = used.iter().filter(shows).filter_map(|one| range(std::slice::from_ref(one), axis));
-            let own = ranges.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]).or(range(used, axis));
-            let Some([low, high]) = own.filter(|[low, high]| high > low) else { continue };
-            let value = -mean_slope(&fitted, fit, axis, [low, high]);
+            let curve: Vec<ParameterName> = fitted.iter().filter(|name| is_curve(name)).copied().collect();
+            let Some([low, high]) = curve_range(machine, fit, &curve, used, axis) else { continue };
+            let slope_of = |name: &ParameterName| name.get(&fit.errors) * mean_slope(name, axis, [low, high]);
+            let value = -fitted.iter().map(slope_of).sum::<f64>();
             slope.set(&mut fit.errors, value);
             add_slope(fit, (slope, value), &fitted, (axis, [low, high]));
             align(fit, (component, value), &data);
@@ -87,6 +75,38 @@ pub(super) fn level(
             findings.push(Diagnostic::nowhere(Code::SLOPE_NOT_SHOWN, message, help));
         }
     }
+}
+
+/// The fitted numbers of a component.
+pub(super) fn numbers_of(component: ErrorName, parameters: &[Parameter]) -> Vec<ParameterName> {
+    let of = |one: &Parameter| match one {
+        Parameter::Geometry(name) if name.component == component => Some(*name),
+        _ => None,
+    };
+    parameters.iter().filter_map(of).collect()
+}
+
+/// True for a straightness of an axis.
+pub(super) fn is_across(component: ErrorName, axis: Axis) -> bool {
+    !component.direction.is_rotation() && component != own(axis)
+}
+
+/// Range of the axis in the files that show a curve of it, mm: other files do not extend it.
+pub(super) fn curve_range(
+    machine: &Machine,
+    fit: &Fit,
+    curve: &[ParameterName],
+    used: &[Measurement],
+    axis: Axis,
+) -> Option<[f64; 2]> {
+    let curve: Vec<Parameter> = curve.iter().copied().map(Parameter::from).collect();
+    let shows = |one: &&Measurement| {
+        identify(machine, &fit.errors, &curve, std::slice::from_ref(&one.data))
+            .is_some_and(|told| told.lost.leave_out.len() < curve.len())
+    };
+    let ranges = used.iter().filter(shows).filter_map(|one| range(std::slice::from_ref(one), axis));
+    let own = ranges.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]).or(range(used, axis));
+    own.filter(|[low, high]| high > low)
 }
 
 /// Adds a slope that follows from the fitted curve, with the uncertainty that it has by the curve, so that the mean slope has none. The unknown mean slope is
@@ -102,7 +122,7 @@ fn add_slope(
         .zip(&fit.factor)
         .filter_map(|(parameter, row)| {
             let name = fitted.iter().find(|name| Parameter::from(**name) == parameter)?;
-            Some((slope_of(name, axis, range), row))
+            Some((mean_slope(name, axis, range), row))
         })
         .collect();
     let width = rows.iter().map(|(_, row)| row.len()).max().unwrap_or(0);
@@ -153,23 +173,4 @@ pub(super) fn range(used: &[Measurement], axis: Axis) -> Option<[f64; 2]> {
     all.fold(None, |known: Option<[f64; 2]>, value| {
         Some(known.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
     })
-}
-
-/// Slope of the least-squares line through the fitted curve.
-fn mean_slope(fitted: &[ParameterName], fit: &Fit, axis: Axis, range: [f64; 2]) -> f64 {
-    fitted.iter().map(|name| name.get(&fit.errors) * slope_of(name, axis, range)).sum()
-}
-
-/// Slope of the least-squares line through the curve of one unit of a parameter.
-fn slope_of(name: &ParameterName, axis: Axis, [low, high]: [f64; 2]) -> f64 {
-    let middle = f64::midpoint(low, high);
-    let mut sums = [0.0; 2];
-    for k in 0..POINTS {
-        let at = low + (high - low) * (f64::from(k) + 0.5) / f64::from(POINTS);
-        let mut command = AxisVector::default();
-        command[axis] = at;
-        sums[0] += name.weight(&command, &State::default()) * (at - middle);
-        sums[1] += (at - middle).powi(2);
-    }
-    sums[0] / sums[1]
 }

@@ -142,7 +142,7 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
             one.unit.clone(),
             start,
             effect,
-            told(inflation, one.inflation),
+            told(inflation, one.sigma),
         ];
         PageRow { class: "", cells }
     };
@@ -173,8 +173,9 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
                 is_logarithmic: false,
             };
             figure(out, &picture, "");
-            let inflations =
-                found.parameters.iter().map(|one| Bar { label: one.name.clone(), value: one.inflation, error: 0.0 });
+            // A slope that follows from a curve has none.
+            let inflated = found.parameters.iter().filter(|one| one.inflation.is_finite());
+            let inflations = inflated.map(|one| Bar { label: one.name.clone(), value: one.inflation, error: 0.0 });
             let picture = Bars {
                 title: "Variance inflation".into(),
                 across: "factor on the variance, logarithmic".into(),
