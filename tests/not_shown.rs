@@ -464,3 +464,40 @@ fn a_tilt_that_free_centers_take_up_is_named() {
         assert!(!listed.contains("EA0S") && !listed.contains("EB0S"), "{data}: {listed}");
     }
 }
+
+/// A ball-bar of unknown length in three planes: all axes are 20 µm/m too long, which lengthens the bar. The differences of the scales are shown, and none of
+/// the scales. A backlash of Z says nothing about its scale.
+#[test]
+fn scales_relative_to_each_other_are_not_shown() {
+    let bar = |first: usize, second: usize| {
+        let center = [250.0, 200.0, 150.0];
+        let mut rows = "run,setup,X,Y,Z,tool_x_mm,tool_y_mm,tool_z_mm,dr_um\n".to_owned();
+        for (run, sense) in [("ccw", 1.0), ("cw", -1.0)] {
+            for k in 0..=72 {
+                let angle = sense * 5.0 * f64::from(k).to_radians();
+                let mut at = center;
+                at[first] += 100.0 * angle.cos();
+                at[second] += 100.0 * angle.sin();
+                // 20 µm/m of 100 mm, and readings to a tenth.
+                let noise = 0.1 * f64::from((7 * k) % 5 - 2);
+                writeln!(rows, "{run},A,{:.5},{:.5},{:.5},0,0,-100,{:.3}", at[0], at[1], at[2], 2.0 + noise).unwrap();
+            }
+        }
+        rows
+    };
+    let description = "[measurement]\nkind = \"ballbar\"\nsigma_um = 0.2\nfree = [\"centre\", \"length\"]\n[setup.A]\n\
+        centre_mm = [250, 200, 50]\nlength_mm = 100\n";
+    let mut shop = Shop::new().file("m.toml", MILL);
+    for (name, [first, second]) in [("xy", [0, 1]), ("yz", [1, 2]), ("zx", [2, 0])] {
+        shop = shop.file(&format!("{name}.csv"), bar(first, second)).file(&format!("{name}.toml"), description);
+    }
+    for model in ["EC0Y,EB0Z,EA0Z,EXX1,EYY1", "EC0Y,EB0Z,EA0Z,EXX1,EYY1,EXXb,EYYb,EZZb"] {
+        let arguments = format!("calibrate xy.csv yz.csv zx.csv --machine m.toml --model {model} -o fitted.toml");
+        shop.run(arguments.split_whitespace()).exits(0);
+        let text = shop.text("fitted.toml");
+        let listed = text.lines().find(|line| line.starts_with("not_shown")).unwrap_or_default();
+        for name in ["EXX", "EYY", "EZZ"] {
+            assert!(listed.contains(&format!("\"{name}\"")), "{model}: {listed}");
+        }
+    }
+}
