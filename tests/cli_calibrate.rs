@@ -241,6 +241,8 @@ fn a_model_is_reduced_to_what_the_data_tell() {
         ("EA0Z", 9.0),
         ("EXX1", 32.0 + 11.0),
         ("EYY1", -21.0 + 11.0),
+        // No circle shows the direction of X: its slope follows from the knot.
+        ("EYX1", 0.0),
     ];
     demand(&report, &expected, 60.0);
     let mut left_out: Vec<&str> = report["left_out"]
