@@ -79,7 +79,7 @@ fn a_flat_stream_is_no_program_of_a_control() {
             &["fix", "flat.snc", "-o", "o.mpf"],
             &["check", "flat.snc"],
             &["verify", "flat.snc", "flat.snc"],
-            &["diff", "flat.snc"],
+            &["diff", "flat.snc", "flat.snc"],
             &["max-step", "flat.snc"],
             &["fix", "flat.snc", "--dialect", "rs274", "-o", "o.mpf"],
             &["check", "--syntax", "flat.snc", "--dialect", "fanuc"],

@@ -17,10 +17,10 @@ fn retracts(set: &str) -> String {
 #[test]
 fn an_e_parameter_without_a_value_is_refused() {
     let shop = Shop::new().file("m.toml", GRUNDIG).file("p.pm", retracts("")).file("set.pm", retracts("N3 E5=50\n"));
-    let run = shop.run(["p.pm", "-o", "o.pm", "--machine", "m.toml"]).exits(3);
+    let run = shop.run(["p.pm", "-o", "o.pm", "--machine", "m.toml"]).exits(4);
     run.says("error[E0219]").says("E5 keeps its value between programs").says("p.pm:5");
     assert!(!shop.path("o.pm").exists());
-    shop.run(["check", "p.pm", "--machine", "m.toml"]).exits(3).says("E0219");
+    shop.run(["check", "p.pm", "--machine", "m.toml"]).exits(4).says("E0219");
     let flat = shop.run(["snc", "p.pm", "--machine", "m.toml"]).exits(0).says("warning[W0240]").says("0 is used");
     assert!(flat.stdout.contains("Z0"), "{}", flat.stdout);
     shop.run(["set.pm", "-o", "s.pm", "--machine", "m.toml"]).exits(0);
@@ -38,7 +38,7 @@ fn a_parameter_of_rs274_without_a_value_is_refused() {
     };
     for name in ["#100", "#5", "[#31+1]"] {
         let shop = Shop::new().file("p.ngc", program("", name));
-        let run = shop.run(["p.ngc", "-o", "o.ngc", "--machine", &mill]).exits(3);
+        let run = shop.run(["p.ngc", "-o", "o.ngc", "--machine", &mill]).exits(4);
         run.says("error[E0219]").says("keeps its value between programs").says("p.ngc:2");
         assert!(!shop.path("o.ngc").exists());
     }
@@ -71,7 +71,8 @@ fn the_length_of_another_tool_is_named() {
 /// LinuxCNC begins with the offset in force: G54 only after M2 and M30.
 #[test]
 fn an_offset_in_force_that_the_program_does_not_name_is_named() {
-    let file = GRUNDIG.replace("grundig", "linuxcnc") + "[zero_offset.G55]\nX_mm = 200\nY_mm = 0\nZ_mm = 0\n";
+    let file = GRUNDIG.replace("grundig", "linuxcnc")
+        + "[control]\nsaved_unit = \"mm\"\n[zero_offset.G55]\nX_mm = 200\nY_mm = 0\nZ_mm = 0\n";
     let program = |offset: &str| format!("G21 G90 G17 {offset}\nG0 X0 Y0 Z50\nG1 Z-2 F200\nG0 Z50\nM2\n");
     for (offset, in_force, count) in [("", 2, 1), ("", 1, 0), ("G54", 2, 0)] {
         let shop = Shop::new()

@@ -152,7 +152,7 @@ fn under_oriwks_a_modulo_axis_passes_zero() {
         let flat = shop.run(["snc", name, "--machine", "m.toml"]).exits(0).stdout;
         let ends: Vec<&str> = flat
             .lines()
-            .filter(|line| line.starts_with("G1 "))
+            .filter(|line| line.starts_with("G1"))
             .filter_map(|line| line.split(' ').find(|word| word.starts_with('A')))
             .collect();
         assert_eq!(ends.last(), Some(&"A359"), "{b}: {flat}");
@@ -199,7 +199,7 @@ fn a_rapid_move_is_placed_for_the_rotary_axes_that_stay() {
         + "[location]\nEC0Y = 60.0\nEB0Z = -40.0\nEA0Z = 30.0\n[control]\ninitial_zero_offset = \"G500\"\n";
     let program = |transform: &str, rapid: &str| {
         format!(
-            "N5 G0 X0 Y0 Z500 A0 B0\nN10 G1 A85 F10000\nN20 {transform}\nN30 G1 X210 Y-6 Z-12 B-0.03 F1000\nN40 {rapid} X209.9 Y-45 Z-46\nN50 M30\n"
+            "N5 G0 X0 Y0 Z500 A80 B0\nN10 G1 A85 F10000\nN20 {transform}\nN30 G1 X210 Y-6 Z-12 B-0.03 F1000\nN40 {rapid} X209.9 Y-45 Z-46\nN50 M30\n"
         )
     };
     for (transform, rapid) in [("TRAORI", "G0"), ("TRAORI", "G1"), ("STOPRE", "G0"), ("STOPRE", "G1")] {
