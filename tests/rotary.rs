@@ -209,3 +209,21 @@ fn a_rapid_move_is_placed_for_the_rotary_axes_that_stay() {
         assert!(run.code == 0 && !run.stdout.contains("E0320"), "{transform} {rapid}: {run:?}");
     }
 }
+
+/// A table that begins at 0° is corrected by some 100 µrad below it: 359.99°. The review finds it beside the original, and so does a cut around the turn.
+#[test]
+fn a_first_position_below_zero_is_beside_the_original() {
+    let file = "[machine]\nname = \"m\"\ntopology = \"wCXYFZSt\"\ncontroller = \"sinumerik\"\n\
+        [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-900, 900]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-900, 900]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-900, 900]\n[axis.C]\ndirection = [0, 0, -1]\npoint_mm = [0, 0, 0]\nmodulo = true\n\
+        [location]\nEC0C = SIZE\nEC0Y = 40.0\n[control]\ninitial_zero_offset = \"G500\"\n";
+    let program = "N10 G17 G90 G71 G94 G500\nN20 G0 X50 Y0 Z300 C0\nN30 G1 Z250 F500\nN40 G1 X80 Y20 C30\nN50 G1 X60 Y10 C=DC(350)\nN60 G0 Z300\nN70 M30\n";
+    for size in ["120.0", "-120.0"] {
+        let shop = Shop::new().file("m.toml", file.replace("SIZE", size)).file("p.mpf", program);
+        shop.run(["fix", "p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+        let out = shop.text("out.mpf");
+        assert!(out.contains("C359.99") || out.contains("C0.00"), "{size}: {out}");
+        let run = shop.run(["verify", "p.mpf", "out.mpf", "--machine", "m.toml"]);
+        assert!(run.code == 0, "{size}: {run:?}\n{out}");
+    }
+}

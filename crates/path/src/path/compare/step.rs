@@ -1,6 +1,7 @@
 //! The moves of a program, one by one, with the state before each.
 
 use std::cell::RefCell;
+use std::f64::consts::TAU;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -30,6 +31,10 @@ const NEAR_END: f64 = 1e-4;
 const TURN_ARM_MM: f64 = 100.0;
 /// Cosine of the largest angle between pieces of a curve: 60°. Chords of curves turn by far less, reversals and corners by more.
 const SAME_WAY: f64 = 0.5;
+
+/// First position of a modulo axis that counts as below 0°, from the end of the turn, rad: more than a correction, so that a corrected 0° written as 359.998°
+/// is beside the original one.
+const BELOW_ZERO_RAD: f64 = 2e-3;
 
 /// A move of one of the programs.
 #[derive(Clone, Debug)]
@@ -169,6 +174,8 @@ pub(super) struct Walk<'a, I> {
     base: &'a Model,
     lead: Lead<'a>,
     position: AxisVector,
+    /// Whole turns that are added to the positions of modulo axes, rad.
+    turns: AxisVector,
     tool_mm: Vector,
     tool: Option<Arc<WordValue>>,
     setup: Arc<Setup>,
@@ -211,6 +218,7 @@ impl<'a, I> Walk<'a, I> {
             base: lead.model,
             lead,
             position: AxisVector::ZERO,
+            turns: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
             tool: None,
             setup: Arc::default(),
@@ -276,6 +284,19 @@ impl<I: Iterator<Item = Element>> Walk<'_, I> {
 }
 
 impl<I> Walk<'_, I> {
+    /// The move with the turns of modulo axes counted from their first positions.
+    fn with_turns(&mut self, mut motion: Move) -> Move {
+        for data in self.machine.axes.iter().flatten().filter(|data| data.modulo) {
+            let axis = data.axis;
+            if motion.known.contains(axis) && !self.known.contains(axis) {
+                let is_below = (motion.target[axis] + BELOW_ZERO_RAD).rem_euclid(TAU) < BELOW_ZERO_RAD;
+                self.turns[axis] = if is_below { -TAU } else { 0.0 };
+            }
+            motion.target[axis] += self.turns[axis];
+        }
+        motion
+    }
+
     /// The hole of a feed move, if its cycle stays in any case.
     fn whole(&mut self, motion: &Move) -> Option<WholeHole> {
         let plane = self.hole.filter(|_| self.is_whole && !motion.rapid)?;
@@ -358,7 +379,7 @@ impl<'a, I: Iterator<Item = Element>> Iterator for Walk<'a, I> {
                     self.counts_turns = counts_turns(&text, self.machine).unwrap_or(self.counts_turns);
                     continue;
                 }
-                Kind::Move(motion) => motion,
+                Kind::Move(motion) => self.with_turns(motion),
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
