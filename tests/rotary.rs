@@ -216,9 +216,9 @@ fn a_first_position_below_zero_is_beside_the_original() {
     let file = "[machine]\nname = \"m\"\ntopology = \"wCXYFZSt\"\ncontroller = \"sinumerik\"\n\
         [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [-900, 900]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [-900, 900]\n\
         [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-900, 900]\n[axis.C]\ndirection = [0, 0, -1]\npoint_mm = [0, 0, 0]\nmodulo = true\n\
-        [location]\nEC0C = SIZE\nEC0Y = 40.0\n[control]\ninitial_zero_offset = \"G500\"\n";
+        [location]\nEC0Y = 40.0\n[[motion]]\ncomponent = \"ECC\"\nkind = \"polynomial\"\ncoefficients = [SIZE]\n[control]\ninitial_zero_offset = \"G500\"\n";
     let program = "N10 G17 G90 G71 G94 G500\nN20 G0 X50 Y0 Z300 C0\nN30 G1 Z250 F500\nN40 G1 X80 Y20 C30\nN50 G1 X60 Y10 C=DC(350)\nN60 G0 Z300\nN70 M30\n";
-    for size in ["120.0", "-120.0"] {
+    for size in ["1.2e-4", "-1.2e-4"] {
         let shop = Shop::new().file("m.toml", file.replace("SIZE", size)).file("p.mpf", program);
         shop.run(["fix", "p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
         let out = shop.text("out.mpf");
