@@ -62,24 +62,23 @@ impl Target {
         }
     }
 
-    /// The target of a machine file.
+    /// Refuses to write a machine file over another kind of file, such as readings.
     ///
     /// # Errors
-    /// If it cannot be written, or another kind of file is there, such as readings.
-    pub(crate) fn of_machine_file(path: &Path) -> Result<Target, Error> {
-        let target = Target::new(path)?;
+    /// If such a file is there.
+    pub(crate) fn must_be_machine_file(&self) -> Result<(), Error> {
         let is_other = |bytes: Vec<u8>| {
             let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
             lines.clone().next().is_some() && !lines.any(|line| line.starts_with(b"[machine]"))
         };
-        match &target {
+        match self {
             Target::File(file) if fs::read(&file.path).is_ok_and(is_other) => {
-                let shown = path.display();
+                let shown = file.path.display();
                 Err(Error::usage(format!(
                     "{shown} exists and is not a machine file: give -o another name, or remove it"
                 )))
             }
-            _ => Ok(target),
+            _ => Ok(()),
         }
     }
 

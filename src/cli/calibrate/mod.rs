@@ -69,7 +69,7 @@ fn calibrate(
     findings: &mut Findings,
     report: &mut CalibrationReport,
 ) -> Result<(), Stop> {
-    let target = Target::of_machine_file(&arguments.output)?;
+    let target = Target::new(&arguments.output)?;
     let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read_head(&start, &[], arguments.head.as_deref(), findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
@@ -107,6 +107,7 @@ fn calibrate(
         all.extend(read);
     }
     let Some(model) = model.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    target.must_be_machine_file()?;
     if chosen.state.is_some() {
         all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
     }

@@ -75,7 +75,7 @@ fn find(
     shown: &mut PageReadings,
 ) -> Result<(), Stop> {
     let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
-    let target = arguments.output.as_deref().map(Target::of_machine_file).transpose()?;
+    let target = arguments.output.as_deref().map(Target::new).transpose()?;
     report.is_to_be_written = target.is_some();
     let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
     report.found.machine.clone_from(&chosen.machine.name);
@@ -92,6 +92,7 @@ fn find(
     if findings.has_errors() {
         return Ok(());
     }
+    target.iter().try_for_each(Target::must_be_machine_file)?;
     for path in &chosen.files {
         shown.inputs.push(pages::input(&input::read(path, FileId(0), "")?, "machine"));
     }

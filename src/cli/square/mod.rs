@@ -38,7 +38,8 @@ pub(in crate::cli) fn run(arguments: &SquareArguments) -> Result<ExitCode, Stop>
     let mut goes_out = false;
     if let Some(output) = &arguments.output {
         let text = result.written(&chosen, &String::from_utf8_lossy(source.bytes()), arguments.add)?;
-        let target = Target::of_machine_file(output)?;
+        let target = Target::new(output)?;
+        target.must_be_machine_file()?;
         goes_out |= !target.is_file();
         together.add(target, text.as_bytes())?;
     }
