@@ -28,7 +28,7 @@ impl Machine {
         let negative = self.machine.tools.iter().filter(|tool| tool.length_mm[0] < 0.0);
         let warned = negative.map(|tool| {
             let message = format!(
-                "the length of tool {} is {} mm: its tip would be behind the spindle nose",
+                "the length of tool {} is {} mm: its tip would be above the spindle nose",
                 tool.number,
                 shown_position(false, tool.length_mm[0])
             );

@@ -16,7 +16,7 @@ const STRAIGHTEDGE: &str =
     "[measurement]\nkind = \"direct\"\nsigma_um = 0.1\nsigma_urad = 0.1\nfree = [\"offset\", \"slope\"]\n";
 /// Lines through this place.
 const CENTER: [f64; 3] = [250.0, 200.0, 100.0];
-/// What three lines do not show.
+/// Errors that three lines do not show.
 const ALL_ANGLES: &str = "EAX, EBX, ECX, EAY, EBY";
 
 /// Readings of components along one axis of a machine without errors, through a place: noise of ± 0.1 µm or µrad in turn.

@@ -128,7 +128,7 @@ impl Worn {
         text
     }
 
-    /// How far the command of an axis must go behind a reversal until its body follows, mm.
+    /// Way of the command of an axis after a reversal until its body follows, mm.
     fn lost_mm(&self, axis: usize) -> f64 {
         let along = self.reversals.iter().filter(|(error, _)| axes_of(error) == [axis; 2]);
         along.map(|(_, value_um)| -1e-3 * value_um).sum()

@@ -25,6 +25,8 @@ const AGREES: f64 = 3.0;
 /// Degrees of freedom below which the spread is the root mean square of all residuals. With 9 (11 readings of a line), a normal data set in some hundred has
 /// weights that lock on to a part of the readings: its uncertainty is then several times too small.
 const FEW: f64 = 10.0;
+/// Degrees of freedom from which Student's t is that of a normal distribution to 1.3 %.
+const MANY: f64 = 100.0;
 /// Standard deviations of a normal distribution around 95 % of it.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Relative change at which the noise has converged.
@@ -124,6 +126,7 @@ impl NoiseGroups {
             let agrees = 1.0 + AGREES / (2.0 * count * freedom).sqrt();
             let (sigma, widening) = match group.given {
                 Some(given) if found <= agrees * given => (given, 1.0),
+                _ if count * freedom >= MANY => (found.max(least), 1.0),
                 _ => (found.max(least), student::limit(0.05, count * freedom) / NORMAL_95),
             };
             group.widening = widening;

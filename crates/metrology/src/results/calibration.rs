@@ -308,7 +308,7 @@ impl PreparedFit<'_> {
             let help = if row.is_without_direction {
                 "its direction of approach is not known, so the model has no backlash for it: give the directions in columns X_dir …"
             } else if group.len() > MOST_FAULTY {
-                "so many may show an error that the model lacks: ncfix diagnose searches for it; --no-robust gives them full weight"
+                "several such readings may show an error that the model lacks: ncfix diagnose searches for it; --no-robust gives them full weight"
             } else {
                 "find its cause; --no-robust gives it full weight"
             };

@@ -49,7 +49,7 @@ pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) limits_turns: bool,
     /// Axes whose final direction is fixed, by slot: after an overshoot.
     pub(super) settled: [i8; AXIS_COUNT],
-    /// How the bodies of the axes are led.
+    /// The way on which the bodies of the axes are led.
     pub(super) plan: SidePlan,
 }
 
