@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::files::is_standard_stream;
+use super::files::{self, is_standard_stream};
 use super::fingerprint::Fingerprint;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
@@ -62,24 +62,26 @@ impl Target {
         }
     }
 
-    /// Refuses to write a machine file over another kind of file, such as readings.
+    /// Refuses to write a machine file over readings or their description. An input of this run has its own refusal.
     ///
     /// # Errors
     /// If such a file is there.
     pub(crate) fn must_be_machine_file(&self) -> Result<(), Error> {
+        let Target::File(file) = self else { return Ok(()) };
+        let is_toml = file.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         let is_other = |bytes: Vec<u8>| {
-            let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
-            lines.clone().next().is_some() && !lines.any(|line| line.starts_with(b"[machine]"))
+            let begins = |line: &[u8], text: &[u8]| line.trim_ascii_start().starts_with(text);
+            let has = |text: &[u8]| bytes.split(|byte| *byte == b'\n').any(|line| begins(line, text));
+            has(b"[measurement]") || !is_toml && !bytes.trim_ascii().is_empty() && !has(b"[machine]")
         };
-        match self {
-            Target::File(file) if fs::read(&file.path).is_ok_and(is_other) => {
-                let shown = file.path.display();
-                Err(Error::usage(format!(
-                    "{shown} exists and is not a machine file: give -o another name, or remove it"
-                )))
-            }
-            _ => Ok(()),
+        let is_input = || files::first_read(|path| self.is(path)).is_some();
+        if fs::read(&file.path).is_ok_and(is_other) && !is_input() {
+            let shown = file.path.display();
+            return Err(Error::usage(format!(
+                "{shown} exists and is not a machine file: give -o another name, or remove it"
+            )));
         }
+        Ok(())
     }
 
     /// True if the target is the file `other`, with any name or link, also if neither exists yet.

@@ -236,7 +236,10 @@ where
         let off_mm = |share: f64| {
             let at = trial.parameter(share);
             let places = (&active.route.at(at), &trial.emitted.at(share));
-            self.lead.error_mm(&bands.at(&self.lead, trial, share), places, tool_mm, active.way_at(at)).nearest.norm()
+            // A step on the spot may follow within the move: its way is not along the path, so the end counts as it is.
+            let is_inner_end = share >= 1.0 && trial.between[1] < 1.0;
+            let way = active.way_at(at).filter(|_| !is_inner_end);
+            self.lead.error_mm(&bands.at(&self.lead, trial, share), places, tool_mm, way).nearest.norm()
         };
         let mut off = BodyError { most_mm: 0.0, good_share: 0.0 };
         for &share in scratch.iter() {
