@@ -4,9 +4,10 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Language};
+use ncfix_machine::machine::Setting;
 
 /// Parameter of RS274/NGC with the number of the coordinate system in force: 1 for G54.
-const SYSTEM_IN_FORCE: i64 = 5220;
+const SYSTEM_IN_FORCE: u32 = 5220;
 
 /// Warnings of states that a program takes over from the control, and that neither it nor the startup code states: on a Fanuc the unit of lengths, in
 /// RS274/NGC also where a drilling cycle ends, the positions of G28 and G30, and the zero offset if a file of the control has another one in force.
@@ -66,7 +67,12 @@ pub(crate) fn assumed_start(
         let help = format!("give the file of the control with --setup (.var, or the answer to $#), or state \"{lacking}\" … in [system] of the machine file");
         Some(warn(at, &message, &help))
     });
-    let in_force = machine.parameters.get(&SYSTEM_IN_FORCE).map(|value| value.round()).filter(|value| *value > 1.0);
+    let in_force = match machine.system.get(&format!("#{SYSTEM_IN_FORCE}")) {
+        Some(Setting::Number(value)) => Some(value.round()),
+        Some(Setting::Whole(value)) => Some(*value as f64),
+        _ => None,
+    }
+    .filter(|value| *value > 1.0);
     let offset = in_force.zip(motion).filter(|_| !has_offset && machine.control.initial_zero_offset.is_none()).map(|(value, at)| {
         let name = if value > 6.0 { format!("G59.{}", value - 6.0) } else { format!("G{}", value + 53.0) };
         let message = format!(

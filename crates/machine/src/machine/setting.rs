@@ -51,7 +51,16 @@ pub(super) fn read(
     let keys: Vec<&str> = section.keys().collect();
     for key in keys {
         let name = normal(key);
-        let fits = if is_system { name.starts_with(['$', '#']) || name.ends_with([')', ']']) } else { is_name(&name) };
+        // E5 of a Grundig or MillPlus.
+        let is_e = || {
+            name.strip_prefix('E')
+                .is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+        };
+        let fits = if is_system {
+            name.starts_with(['$', '#']) || name.ends_with([')', ']']) || is_e()
+        } else {
+            is_name(&name)
+        };
         if !fits {
             section.accept(key);
             let help = if is_system {

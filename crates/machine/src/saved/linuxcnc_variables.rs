@@ -32,6 +32,8 @@ const G92_APPLIED: u32 = 5210;
 const ROTATION: u32 = 9;
 /// First variables of the positions of G28 and G30.
 pub(super) const REFERENCE_POINTS: [u32; 2] = [5161, 5181];
+/// Number of the coordinate system in force: 1 for G54.
+const SYSTEM_IN_FORCE: u32 = 5220;
 /// Variables of users.
 const USER: std::ops::RangeInclusive<u32> = 31..=5000;
 
@@ -87,6 +89,9 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
         out.offsets.push((name.to_owned(), parts));
     }
     out.system = values.range(USER).map(|(key, (value, _))| (format!("#{key}"), *value)).collect();
+    // After M2 and M30 it is G54. Another one was in force when the file was saved, and a program that names none begins with it.
+    let in_force = values.get(&SYSTEM_IN_FORCE).map(|(value, _)| *value).filter(|value| *value > 1.0);
+    out.system.extend(in_force.map(|value| (format!("#{SYSTEM_IN_FORCE}"), value)));
     for start in REFERENCE_POINTS {
         for (axis, key) in AXES.into_iter().zip(start..) {
             if let Some((value, _)) = values.get(&key).filter(|_| machine.axis_set().contains(axis)) {
