@@ -59,7 +59,7 @@ fn calibrated_with(model: &str, start: &str, rows: &str, description: &str) -> S
     shop
 }
 
-/// The list in a machine file; an empty one if there is none.
+/// The list in a machine file; empty without one.
 fn list(shop: &Shop) -> String {
     let text = shop.text("out.toml");
     let found = text.lines().find_map(|line| line.strip_prefix("not_shown = "));
