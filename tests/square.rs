@@ -139,7 +139,9 @@ fn a_machine_file_replaces_only_a_machine_file() {
     for _ in 0..2 {
         square(&shop, &[&readings[..], &["new.toml"]].concat()).exits(0);
     }
-    shop.run(["calibrate", "r.csv", "--machine", "m.toml", "--model", "EXX1", "-o", "r.csv"]).exits(4);
+    shop.run(["calibrate", "r.csv", "--machine", "m.toml", "--model", "EXX1", "-o", "r.csv"])
+        .exits(2)
+        .says("would overwrite");
     assert!(shop.text("r.csv").starts_with("X,Y,Z,component"));
 }
 
