@@ -62,7 +62,7 @@ fn circles(places: [f64; 2], noise: &mut Noise, sigma: f64) -> [String; 2] {
         "[measurement]\nkind = \"ballbar\"\nsigma_um = 0.2\nfree = [\"centre\", \"length\"]\n".to_owned();
     for number in 0..24_usize {
         let [first, second] = [[0, 1], [1, 2], [2, 0]][number / 8];
-        let center: Point = [4, 2, 1].map(|bit| places[usize::from(number % 8 & bit > 0)]);
+        let center: Point = [4, 2, 1].map(|bit| places[usize::from((number % 8) & bit > 0)]);
         // The ball is a few µm beside its place.
         let ball = [0, 1, 2].map(|k| center[k] + 1e-3 * (error_um(center)[k] + noise.next(5.0)));
         let longer = noise.next(2.0);

@@ -138,7 +138,7 @@ mod tests {
         assert!(values.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{values:?}");
         // Uncertainties: 3 µrad of the squareness alone, and 1e-8 of the bow, of which −600e-8 reach the slope.
         let mut factor = vec![vec![3e-6], vec![0.0, 1e-8]];
-        level_factor(&[line.clone()], &mut factor);
+        level_factor(std::slice::from_ref(&line), &mut factor);
         let expected = [vec![3e-6, -6e-6], vec![0.0, 1e-8], vec![0.0, -6e-6]];
         let is_near = |one: &Vec<f64>, other: &Vec<f64>| {
             one.len() == other.len() && one.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-15)
