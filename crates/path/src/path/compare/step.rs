@@ -32,8 +32,8 @@ const TURN_ARM_MM: f64 = 100.0;
 /// Cosine of the largest angle between pieces of a curve: 60°. Chords of curves turn by far less, reversals and corners by more.
 const SAME_WAY: f64 = 0.5;
 
-/// First position of a modulo axis that counts as below 0°, from the end of the turn, rad: more than a correction, so that a corrected 0° written as 359.998°
-/// is beside the original one.
+/// Range before the end of a turn in which the first position of a modulo axis counts as below 0°, rad. It is larger than a correction: a corrected 0° that
+/// is written as 359.998° is then beside the original one.
 const BELOW_ZERO_RAD: f64 = 2e-3;
 
 /// A move of one of the programs.
@@ -289,8 +289,10 @@ impl<I> Walk<'_, I> {
         for data in self.machine.axes.iter().flatten().filter(|data| data.modulo) {
             let axis = data.axis;
             if motion.known.contains(axis) && !self.known.contains(axis) {
-                let is_below = (motion.target[axis] + BELOW_ZERO_RAD).rem_euclid(TAU) < BELOW_ZERO_RAD;
-                self.turns[axis] = if is_below { -TAU } else { 0.0 };
+                // 359.998° is below 0°. An executor that takes the shortest way has such a position without the turn already.
+                let from_least = motion.target[axis] + BELOW_ZERO_RAD;
+                let is_below = from_least.rem_euclid(TAU) < BELOW_ZERO_RAD;
+                self.turns[axis] = if is_below { -TAU * (from_least / TAU).floor() } else { 0.0 };
             }
             motion.target[axis] += self.turns[axis];
         }
