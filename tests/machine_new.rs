@@ -235,6 +235,30 @@ fn the_unit_of_saved_offsets_is_an_option() {
     assert!(line.ends_with("# unit of saved offsets and tools"), "{line}");
 }
 
+/// A punch-out whose end is missing may lack a wear, and two values of one offset leave open which one is in force.
+#[test]
+fn a_cut_off_or_contradictory_punch_out_is_refused() {
+    let words = "machine new m.toml --like vmc --control fanuc --travel X=-500..0 --travel Y=-400..0 --travel Z=-400..0 --saved-unit mm --setup OFFS.TXT";
+    let new = |text: &str| Shop::new().file("OFFS.TXT", text).run(words.split(' '));
+    let whole = "%\nG10L2P1X-10.Y-8.Z-2.\nG10L10P1R120.\nG10L11P1R-0.02\n%\n";
+    new(whole).exits(0);
+    new(&whole.replace("G10L11P1R-0.02\n%\n", "")).exits(4).says("its end is missing").says("OFFS.TXT:3");
+    let twice = whole.replace("G10L10", "G10L2P1X-11.Y-8.\nG10L10");
+    new(&twice).exits(4).says("a second, different value of X").says("OFFS.TXT:3");
+    // The same value again is no contradiction; nor is a file without any %.
+    new(&twice.replace("X-11.", "X-10.")).exits(0);
+    new(&whole.replace("%\n", "")).exits(0);
+}
+
+/// `$13=1` of the settings is the unit of the answer to `$#` (Grbl 1.1 wiki): -21.6535 inches are -550 mm.
+#[test]
+fn the_setting_13_of_grbl_is_the_unit_of_its_offsets() {
+    let settings = "$0=10\n$3=0\n$13=1\n$22=1\n$23=0\n$100=80\n$110=5000\n$130=600\n$131=600\n$132=80\n";
+    let shop = Shop::new().file("g.txt", settings).file("o.txt", "[G54:-21.6535,-21.6535,-0.3937]\n[TLO:0.0000]\n");
+    shop.run("machine new m.toml --like router --from g.txt --setup o.txt".split(' ')).exits(0);
+    assert!(shop.text("m.toml").contains("X_mm = -549.99"), "{}", shop.text("m.toml"));
+}
+
 /// T2 is worn by 0.02 mm. The zero and T1 go into the new file; without T2 no program with it is corrected by mistake.
 #[test]
 fn a_worn_tool_does_not_refuse_the_other_offsets() {
@@ -304,6 +328,29 @@ const TRAORI: &str = "N10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN10000 $MN_AX
     N10200 $MN_INT_INCR_PER_MM=1000\nN30310 $MA_ROT_IS_MODULO[AX5]=1\nN32000 $MA_MAX_AX_VELO[AX1]=30000\nN32000 $MA_MAX_AX_VELO[AX4]=25\n\
     N32100 $MA_AX_MOTION_DIR[AX1]=-1\nN36100 $MA_POS_LIMIT_MINUS[AX1]=0\nN36110 $MA_POS_LIMIT_PLUS[AX1]=600\n\
     N36100 $MA_POS_LIMIT_MINUS[AX4]=-120\nN36110 $MA_POS_LIMIT_PLUS[AX4]=30\n";
+
+/// A value that is no number is not 0, inches are not mm, and a file in UTF-16 says so.
+#[test]
+fn machine_data_that_cannot_be_used_are_refused() {
+    let new = |bytes: Vec<u8>| {
+        let shop = Shop::new();
+        std::fs::write(shop.path("md.ini"), bytes).unwrap();
+        let run = shop.run("machine new m.toml --like trunnion-ac --from md.ini".split(' '));
+        if run.code != 0 {
+            assert!(!shop.path("m.toml").exists());
+        }
+        run
+    };
+    let comma = TRAORI.replace("BASE_TOOL_1[2]=-480", "BASE_TOOL_1[2]=-480,5");
+    new(comma.into_bytes()).exits(2).says("-480,5").says("not a number");
+    let inch = format!("N10240 $MN_SCALING_SYSTEM_IS_METRIC=0\n{TRAORI}");
+    new(inch.into_bytes()).exits(2).says("inches");
+    let metric = format!("N10240 $MN_SCALING_SYSTEM_IS_METRIC=1\n{TRAORI}");
+    let run = new(metric.into_bytes()).exits(0);
+    assert!(run.stdout.contains("$MC_TRAFO5_JOINT_OFFSET_1[0]"), "{}", run.stdout);
+    let wide: Vec<u8> = [0xFF, 0xFE].into_iter().chain(TRAORI.bytes().flat_map(|byte| [byte, 0])).collect();
+    new(wide).exits(2).says("UTF-16");
+}
 
 #[test]
 fn machine_data_of_a_sinumerik_give_the_chain_of_traori() {

@@ -73,11 +73,26 @@ struct Register {
     radius_mm: [f64; 2],
 }
 
+/// A control punches out `%` before the first block and after the last one.
+///
+/// # Errors
+/// If only the first one is there: the lines in between may lack offsets.
+fn check_end(lines: &[SavedLine<'_>]) -> Result<(), Diagnostic> {
+    match lines {
+        [first, .., last] if first.text.trim_start().starts_with('%') && !last.text.contains('%') => Err(last.fault(
+            "the file begins with % and does not end with it, so its end is missing",
+            "save the offsets again; if the file is complete, write % in a last line",
+        )),
+        _ => Ok(()),
+    }
+}
+
 fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagnostic> {
     let mut out = SavedValues::default();
     let mut offsets: BTreeMap<String, Offset<'_>> = BTreeMap::new();
     let mut registers: BTreeMap<u32, Register> = BTreeMap::new();
     let (mut unit, mut is_parameters) = (None, false);
+    check_end(lines)?;
     for line in lines {
         let text = block(line);
         if let Some((key, value)) = variable(&text) {
@@ -149,7 +164,12 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                 });
                 for (letter, text) in &words {
                     if let Some(axis) = Axis::from_letter(*letter) {
-                        offset.parts.translation[axis] = value(text, !axis.is_rotary())?;
+                        let own = value(text, !axis.is_rotary())?;
+                        if offset.stated.contains(axis) && offset.parts.translation[axis] != own {
+                            let help = "remove the line that is not in force, or save the offsets again";
+                            return Err(line.fault(format!("a second, different value of {axis} for one offset"), help));
+                        }
+                        offset.parts.translation[axis] = own;
                         offset.stated.insert(axis);
                     }
                 }
@@ -159,12 +179,13 @@ fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagn
                     return Err(line.fault("G10 has no R with the value", "save the offsets of a mill, with R"));
                 };
                 let register = registers.entry(place).or_default();
-                match kind {
-                    10 => register.length_mm[0] = value(text, true)?,
-                    12 => register.radius_mm[0] = value(text, true)?,
-                    13 => register.radius_mm[1] = value(text, true)?,
-                    _ => register.length_mm[1] = value(text, true)?,
-                }
+                let part = match kind {
+                    10 => &mut register.length_mm[0],
+                    12 => &mut register.radius_mm[0],
+                    13 => &mut register.radius_mm[1],
+                    _ => &mut register.length_mm[1],
+                };
+                *part = value(text, true)?;
             }
             _ => {
                 let message = "this G10 is neither a zero offset nor a tool offset of a mill";

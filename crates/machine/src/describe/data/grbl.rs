@@ -41,8 +41,9 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
             (3, _) if value != 0.0 => {
                 facts.notes.push(format!("{name}:{line} $3 = {value}: reversed motors; the sense of the axes does not follow from it"));
             }
-            (13, _) if value != 0.0 => {
-                facts.notes.push(format!("{name}:{line} $13 = 1: the control reports positions in inches, also in $#"));
+            (13, _) => {
+                let unit = if value == 0.0 { "mm" } else { "inch" };
+                facts.saved_unit = Some(known(unit, (name, line), &format!("$13 = {value}, the unit of $#")));
             }
             (22, _) if value == 0.0 => {
                 facts.notes.push(format!(

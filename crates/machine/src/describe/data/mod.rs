@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use crate::describe::known::{Known, KnownOrigin};
 use crate::describe::stated::TravelRange;
 use crate::machine::{Branch, Topology};
+use ncfix_base::diagnostic::character::wide_encoding;
 use ncfix_base::geometry::Axis;
 
 /// Data of one axis, as far as a file states them.
@@ -79,6 +80,9 @@ impl ControlFacts {
     /// # Errors
     /// Returns a sentence if the format is unknown or its data contradict each other.
     pub fn read(&mut self, name: &str, bytes: &[u8]) -> Result<&'static str, String> {
+        if let Some(encoding) = wide_encoding(bytes) {
+            return Err(format!("{name} is in {encoding}, which ncfix does not read here: save it as UTF-8"));
+        }
         let text = String::from_utf8_lossy(bytes);
         let Some(format) = FORMATS.iter().find(|format| (format.is)(&text)) else {
             let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();

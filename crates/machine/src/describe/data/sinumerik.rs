@@ -22,6 +22,14 @@ const MACHINE_AXES: u32 = 31;
 /// Offsets below this are zero, mm or degrees.
 const ZERO: f64 = 1e-9;
 
+/// Vectors of a transformation that place its axes.
+const OFFSETS: [&str; 4] = [
+    "$MC_TRAFO5_BASE_TOOL_1",
+    "$MC_TRAFO5_JOINT_OFFSET_1",
+    "$MC_TRAFO5_JOINT_OFFSET_PART_1",
+    "$MC_TRAFO5_PART_OFFSET_1",
+];
+
 /// Values by name and indices, with their lines.
 type Values<'a> = BTreeMap<(String, String), (&'a str, usize)>;
 
@@ -47,6 +55,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
             values.insert((key, index), (value, at + 1));
         }
     }
+    check_values(name, &values)?;
     facts.control = Some(known("sinumerik".to_owned(), (name, 1), "machine data of a Sinumerik"));
     let letters = letters(&values);
     facts.axis_numbers = axis_numbers(name, &values, &letters);
@@ -79,6 +88,41 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     reset_words(name, &values, facts);
     Geometry { name, values: &values }.read(&letters, facts)?;
     facts.notes.push(format!("{name} does not state which slide carries the table: it follows from the template"));
+    Ok(())
+}
+
+/// Machine data and parts of swivel data records with lengths, as their names begin: a value that is not a number must not count as missing.
+const NUMBERS: [&str; 9] = [
+    "$MA_POS_LIMIT_",
+    "$MA_MAX_AX_VELO",
+    "$MA_BACKLASH",
+    "$MA_AX_MOTION_DIR",
+    "$MC_TRAFO_TYPE_1",
+    "$MC_TRAFO5_PART_OFFSET",
+    "$MC_TRAFO5_BASE_TOOL",
+    "$MC_TRAFO5_JOINT_OFFSET",
+    "$MC_TRAFO5_AXIS",
+];
+
+/// Checks that lengths are in mm and that every number is one.
+///
+/// # Errors
+/// A sentence on the first line that ncfix cannot use.
+fn check_values(name: &str, values: &Values<'_>) -> Result<(), String> {
+    if let Some((text, line)) = values.get(&("$MN_SCALING_SYSTEM_IS_METRIC".to_owned(), String::new()))
+        && matches!(text.to_ascii_uppercase().as_str(), "0" | "FALSE")
+    {
+        return Err(format!(
+            "{name}:{line} MD10240 is {text}: the lengths of these machine data are in inches, and ncfix reads mm; save them with MD10240 = 1"
+        ));
+    }
+    for ((key, index), (text, line)) in values {
+        if NUMBERS.iter().any(|begin| key.starts_with(begin)) && number(text).is_none() {
+            return Err(format!(
+                "{name}:{line} {key}[{index}] is {text}, which is not a number: write a point as its decimal sign"
+            ));
+        }
+    }
     Ok(())
 }
 
@@ -253,6 +297,18 @@ impl Geometry<'_> {
         self.take(axes, branches, [true; 2], &vectors, (*line, "swivel data record 1"), facts)
     }
 
+    /// Elements of offsets that the file lacks, beside others that it has. A control that saves only changed data (MD11210) omits those that are 0.
+    fn omitted(&self) -> Vec<String> {
+        let mut omitted = Vec::new();
+        for key in OFFSETS {
+            let has = |index: &str| self.values.contains_key(&(key.to_owned(), index.to_owned()));
+            let lacking = ["0", "1", "2"].into_iter().filter(|index| !has(index));
+            let lacking: Vec<String> = lacking.map(|index| format!("{key}[{index}]")).collect();
+            omitted.extend(lacking.into_iter().filter(|_| ["0", "1", "2"].into_iter().any(has)));
+        }
+        omitted
+    }
+
     fn transformation(&self, (kind, line): (f64, usize), facts: &mut ControlFacts) -> Result<(), String> {
         let name = self.name;
         let branches = match kind as i64 {
@@ -274,6 +330,13 @@ impl Geometry<'_> {
                     "{name}:{line} MD24510 is {value}: a machine file has no key for an offset of a rotary axis"
                 ));
             }
+        }
+        let omitted = self.omitted();
+        if !omitted.is_empty() {
+            facts.notes.push(format!(
+                "{name} has no {}: 0 is used, since a control that saves only changed data (MD11210) omits zeros; compare with the control",
+                omitted.join(", ")
+            ));
         }
         let vector = |key: &str| self.vector(key).unwrap_or_default();
         let vectors = Vectors {
