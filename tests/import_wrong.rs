@@ -42,6 +42,40 @@ fn an_option_that_contradicts_the_file_is_refused() {
     import(&shop, "two.csv", "tool.toml", CENTER).exits(4).says("lines 2 and 4");
 }
 
+/// The nominal length has many names, and the center may be one value with all axes.
+#[test]
+fn length_and_center_of_a_ball_bar_have_many_names() {
+    let shop = shop();
+    let file = |line: &str| {
+        let text = circle(&format!("Test plane;XY\n{line}\n"), 0..=360);
+        std::fs::write(shop.path("bar.csv"), text).unwrap();
+    };
+    for key in [
+        "Ballbar length",
+        "Ball bar length (mm)",
+        "Nominal length",
+        "Length",
+        "Nennlänge",
+        "Longueur nominale",
+        "Longueur de la barre",
+    ] {
+        file(&format!("{key};200 mm"));
+        import(&shop, "bar.csv", "tool.toml", &[CENTER, &["--radius", "150"]].concat()).exits(4).says("E0618");
+        import(&shop, "bar.csv", "tool.toml", CENTER).exits(0);
+        assert!(shop.text("out.toml").contains("length_mm = 200"), "{key}: {}", shop.text("out.toml"));
+    }
+    // Other lengths are not that of the bar.
+    for key in ["Measuring length", "Path length (mm)", "Length of run"] {
+        file(&format!("{key};200 mm"));
+        import(&shop, "bar.csv", "tool.toml", CENTER).exits(4).says("--radius");
+    }
+    for center in ["Test centre:;X200 Y250 Z100", "Center;x=200; y=250; z=100"] {
+        file(&format!("Radius;150\n{center}"));
+        import(&shop, "bar.csv", "tool.toml", CENTER).exits(4).says("--at X300 contradicts the file");
+        import(&shop, "bar.csv", "tool.toml", &["--at", "X200,Y250,Z100", "--tool", "0"]).exits(0);
+    }
+}
+
 /// The length of a ball-bar is an unknown, unless the file or the option says that it is calibrated.
 #[test]
 fn a_calibrated_ball_bar_has_no_unknown_length() {

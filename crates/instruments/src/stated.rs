@@ -110,7 +110,8 @@ pub(crate) fn conversions(text: &DecodedText) -> Vec<(bool, usize)> {
         if !has(CONVERSIONS) || has(AIR) || !(is_at_20 || has(CONVERTED)) {
             continue;
         }
-        let value = value.trim_matches([';', ',', '\t', '"', ' ', '.', ')']);
+        // `On (20 °C)`: the temperature is that of the reference.
+        let value = value.split('(').next().unwrap_or_default().trim_matches([';', ',', '\t', '"', ' ', '.', ')']);
         if YES.contains(&value) {
             found.push((true, number));
         } else if NO.contains(&value) {

@@ -19,7 +19,10 @@ const UNITS: &[(ReadingUnit, &[&str])] = &[
     (ReadingUnit::Length("mm", 1.0), &["millimeter", "millimetre"]),
     (ReadingUnit::Length("um", 1e-3), &["µm", "μm", "micron", "microns", "mikron", "micrometer", "micrometre"]),
     (ReadingUnit::Length("nm", 1e-6), &["nanometer", "nanometre"]),
+    (ReadingUnit::Length("cm", 10.0), &["centimeter", "centimetre", "zentimeter"]),
     (ReadingUnit::Length("m", 1e3), &["meter", "metre"]),
+    // A thousandth of an inch.
+    (ReadingUnit::Length("thou", 0.0254), &["mil", "mils"]),
     (ReadingUnit::Length("inch", 25.4), &["in", "inches", "zoll"]),
     (ReadingUnit::Angle("urad", 1e-6), &["µrad", "μrad", "microrad", "um/m", "µm/m", "μm/m"]),
     (ReadingUnit::Angle("mrad", 1e-3), &["mm/m"]),

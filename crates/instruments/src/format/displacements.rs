@@ -124,6 +124,12 @@ fn read(inquiry: &mut Inquiry<'_>) -> Result<ImportedReadings, ImportStop> {
         inquiry.note(format!("directions of approach: {}", out.extra.join(", ")), line);
     }
     inquiry.note("positions are machine coordinates", 0);
+    let has_unit = |(column, axis): &(usize, Axis)| {
+        axis.is_rotary() || table.headings.get(*column).is_some_and(|heading| heading.unit.is_some())
+    };
+    if !axes.iter().all(has_unit) {
+        inquiry.note("the headings of positions state no unit: mm is assumed", line);
+    }
     let mut worst: Option<(f64, usize, Vec<f64>)> = None;
     for row in &table.rows {
         let mut position = Vec::new();

@@ -358,6 +358,29 @@ fn pair(line: &str) -> Option<(&str, &str)> {
     Some((line.get(..at)?, line.get(at + letter.len_utf8()..)?))
 }
 
+/// True for the key of a line with the nominal length of the bar: `Ballbar length`, `Nominal length`, `Longueur nominale`.
+fn is_bar_length(key: &str) -> bool {
+    let has = |words: &[&str]| words.iter().any(|word| key.contains(word));
+    let is_length = has(&["length", "länge", "laenge", "longueur", "lunghezza", "longitud"]);
+    // The length of a way, of a path, of a measured table, or the calibrated one are other facts.
+    let is_bar = has(&["bar", "stab", "nomin", "nenn"]) || name_of(key).trim() == "length";
+    is_length
+        && is_bar
+        && !has(UNCERTAINTY)
+        && !has(&["calib", "kalib", "étalon", "taratura", "expan", "unit", "einheit"])
+}
+
+/// Coordinates in one value: `X20 Y-10 Z-260`, `x=20; y=-10`.
+fn coordinates(value: &str, decimal: DecimalSign) -> impl Iterator<Item = (Axis, f64)> + use<'_> {
+    value.split([' ', ';', '/']).filter_map(move |word| {
+        let word = word.trim().trim_end_matches(',');
+        let mut letters = word.chars();
+        let axis = Axis::from_letter(u8::try_from(letters.next()?).ok()?.to_ascii_uppercase())?;
+        let number = letters.as_str().trim_start_matches(['=', ':', ' ']);
+        Some((axis, grid::number(number, decimal)?))
+    })
+}
+
 /// Reads the lines before the table.
 pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
     let mut found = CircleFacts::default();
@@ -379,7 +402,9 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
         let conflict = &mut found.conflict;
         if has(&["plane", "ebene", "plan", "piano", "plano"]) {
             take(&mut found.plane, answers::plane(&value).ok(), line, conflict);
-        } else if has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]) {
+        } else if (has(&["radius", "rayon", "raggio", "radio"]) && !has(&["radius error", "radius dev", "radiusabw"]))
+            || is_bar_length(&key)
+        {
             take(&mut found.radius_mm, length_mm, line, conflict);
         } else if CALIBRATED.iter().any(|own| name.starts_with(own)) && !is_length_sigma(&key) {
             let said = yes(&value);
@@ -401,6 +426,8 @@ pub(super) fn facts(text: &DecodedText, table: &GridTable) -> CircleFacts {
             let letter = key.bytes().last().map(|byte| byte.to_ascii_uppercase());
             if let (Some(axis), Some(value)) = (letter.and_then(Axis::from_letter), number) {
                 found.center.push((axis, value, line));
+            } else {
+                found.center.extend(coordinates(&value, table.decimal).map(|(axis, value)| (axis, value, line)));
             }
         }
     }
