@@ -139,7 +139,13 @@ fn what_an_earlier_program_left_in_a_variable_is_not_guessed_for_a_correction() 
     let strict = || Options { strict: true, ..Options::default() };
     let text = "G0 X0 Y0 Z0\nX#500\n#501=3\nX#501\nX#102\nM30\n";
     let (_, codes) = run_with("fanuc", text, &iso_machine(), Box::new(NoLibrary), strict());
-    assert_eq!(codes, ["E0219:2"]);
+    // Parameter 6001 of the control decides if #102 is null.
+    assert_eq!(codes, ["E0219:2", "E0219:5"]);
+    let mut machine = iso_machine();
+    machine.system.insert("#500".to_owned(), Setting::Number(12.5));
+    machine.system.insert("#102".to_owned(), Setting::Text("null".to_owned()));
+    let (_, codes) = run_with("fanuc", text, &machine, Box::new(NoLibrary), strict());
+    assert_eq!(codes, [""; 0]);
 }
 
 #[test]

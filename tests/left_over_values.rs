@@ -68,6 +68,32 @@ fn the_length_of_another_tool_is_named() {
     }
 }
 
+/// With a cutter of 20 mm, the left side of the contour Y0 is at Y10. Without a radius the tool center moves on the contour itself.
+#[test]
+fn a_radius_of_0_under_compensation_is_named() {
+    let program = "%\nO1\nG21 G17 G90 G54\nT1 M6\nG43 H1 Z20.\nG0 X-20. Y-20.\nG1 Z-1. F100.\nG41 D1 X0. Y0.\nX100.\nG40 X120. Y-20.\nG0 Z50.\nM30\n%\n";
+    let fanuc = GRUNDIG.replace("grundig", "fanuc");
+    let bare = fanuc.replace("radius_mm = 5\n", "");
+    let toa = "%_N_TO_TOA\n$TC_DP1[1,1]=120\n$TC_DP3[1,1]=100\nM17\n";
+    let shop = Shop::new().file("m.toml", &bare).file("p.nc", program);
+    shop.run(["p.nc", "-o", "o.nc", "--machine", "m.toml"]).exits(0).says("warning[W0247]").says("D1").says("line 8");
+    assert!(!shop.run(["p.nc", "--review", "--machine", "m.toml"]).stdout.contains("nothing speaks against"));
+    for (file, count) in [(fanuc.replace("radius_mm = 5", "radius_mm = 10"), 0), (bare.clone(), 1)] {
+        let shop = Shop::new().file("m.toml", &file).file("p.nc", program);
+        let run = shop.run(["check", "p.nc", "--machine", "m.toml"]).exits(0);
+        assert_eq!(run.stdout.matches("W0247").count() + run.stderr.matches("W0247").count(), count, "{}", run.stdout);
+    }
+    let sinumerik = bare.replace("fanuc", "sinumerik");
+    let part =
+        "G17 G54 G90 G71 G64\nT1 D1\nM6\nG0 X-20 Y-20 Z20\nG1 Z-1 F100\nG41 X0 Y0\nX100\nG40 X120 Y-20\nG0 Z50\nM30\n";
+    let shop = Shop::new().file("m.toml", sinumerik).file("p.mpf", part).file("to.toa", toa);
+    shop.run(["p.mpf", "-o", "o.mpf", "--machine", "m.toml", "--setup", "to.toa"]).exits(0).says("warning[W0247]");
+    // The control compensates with its own radius, which must be 0 plus wear: W0237 says so.
+    let shop = Shop::new().file("m.toml", &bare).file("p.nc", program);
+    let wear = shop.run(["p.nc", "-o", "o.nc", "--machine", "m.toml", "--compensation", "wear"]);
+    assert!(!wear.stderr.contains("W0247"), "{}", wear.stderr);
+}
+
 /// LinuxCNC begins with the offset in force: G54 only after M2 and M30.
 #[test]
 fn an_offset_in_force_that_the_program_does_not_name_is_named() {

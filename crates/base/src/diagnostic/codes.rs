@@ -824,7 +824,7 @@ Or a program of RS274/NGC moves with G28 or G30, and no file states these positi
 control would move to its own position. Give the file of the control with --setup.
 
 Or a program reads an R or E parameter, or a variable such as #500, that keeps its value between programs and that it has not set.
-There snc uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed
+On a Fanuc, #100 to #499 may keep theirs too (parameter 6001, bit 6). There snc uses 0, for a variable of a Fanuc null. At the control, the moves that depend on it can differ. check, fix and feed
 refuse the program (E0219). Set the value in the program, or in [system] of the machine file.";
     NOT_AT_THIS_CONTROL = "W0241" "words that the control does not have"
 "controller names a firmware of the Grbl family, and the output has words that this firmware does not document. Grbl 1.1 has no
@@ -858,6 +858,11 @@ first such hole is reported.";
 differ by more than a millimeter: G43 H2 with T1 is mostly a mistake, and the tip then cuts too deep or in the air. ncfix corrects
 the program with the length of H, as the control does. Compare the T and H numbers. If one tool has two offsets with lengths that
 differ so much, nothing is wrong. Only the first such block is reported.";
+    RADIUS_ZERO = "W0247" "radius compensation with radius 0"
+"The program uses G41 or G42 (Grundig: G43 and G44 too) with a tool whose radius is 0 in the machine file or in the data of the control.
+The corrected program then moves the tool center along the programmed contour. If only the radius is missing, the tool cuts into the
+part by its radius. State radius_mm of the tool in [[tool]], or give --setup a file that has it ($TC_DP6 of a Sinumerik, L12 of a
+Fanuc), and correct the program again. If the program already has the path of the tool center, a radius of 0 is right.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. snc uses zero, so its positions in the machine are wrong. check, fix, diff and
 verify refuse the program. State the zero offset in the machine file or in a set-up file (E0306 has an example).";

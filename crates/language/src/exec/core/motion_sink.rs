@@ -47,6 +47,8 @@ pub(in crate::exec) struct MotionSink<'a> {
     compensates: bool,
     /// Registers of the control with their radius.
     registers: Vec<String>,
+    /// Registers with the radius 0 with which compensation began, and the block.
+    without_radius: Vec<(String, Origin)>,
     /// `true` if the control handles the wear, and receives the words that begin and end compensation.
     pub(in crate::exec) keeps_wear: bool,
     tells_compensation: bool,
@@ -73,6 +75,7 @@ impl<'a> MotionSink<'a> {
             compensated: Vec::new(),
             compensates: false,
             registers: Vec::new(),
+            without_radius: Vec::new(),
             keeps_wear: options.keeps_wear,
             tells_compensation: options.tells_compensation,
             hides_marks: options.hides_marks,
@@ -241,7 +244,7 @@ impl<'a> MotionSink<'a> {
         // Output that is not written needs no advice.
         let is_written = !has_errors && !self.warnings.iter().any(|found| found.code.severity() == Severity::Error);
         if self.tells_compensation && is_written {
-            let found = [self.compensation_note(), self.milling_note()];
+            let found = [self.compensation_note(), self.radius_note(), self.milling_note()];
             self.warnings.extend(found.into_iter().flatten());
         }
     }
@@ -266,6 +269,20 @@ impl<'a> MotionSink<'a> {
         Some(fault(code, first.span, message, help).of_file(first.file))
     }
 
+    /// A radius of 0 is right for a program that already has the path of the tool center, and cuts into the part where the radius is only missing.
+    fn radius_note(&self) -> Option<Fault> {
+        let (_, first) = self.without_radius.first()?;
+        let names: Vec<&str> = self.without_radius.iter().map(|(name, _)| name.as_str()).collect();
+        let origins: Vec<Origin> = self.without_radius.iter().map(|(_, origin)| *origin).collect();
+        let message = format!(
+            "radius compensation with radius 0 ({} in {}): the tool center moves on the programmed contour",
+            names.join(", "),
+            lines_of(&origins)
+        );
+        let help = "state radius_mm of the tool in [[tool]], or give --setup a file of the control that has the radius; if the program already has the path of the tool center, 0 is right";
+        Some(fault(Code::RADIUS_ZERO, first.span, message, help).of_file(first.file))
+    }
+
     fn milling_note(&self) -> Option<Fault> {
         let (_, first) = self.milled.first()?;
         let mut names: Vec<&str> = self.milled.iter().map(|(name, _)| *name).collect();
@@ -281,14 +298,21 @@ impl<'a> MotionSink<'a> {
         Some(fault(Code::OWN_STROKES, first.span, message, help).of_file(first.file))
     }
 
-    /// Records the control's radius register before a motion that begins radius compensation.
+    /// Records the control's radius register before a motion that begins radius compensation, if the control handles the wear or the radius is 0.
     pub(in crate::exec) fn name_register(&mut self, wish: &ContourRequest, name: impl FnOnce() -> String) {
-        if !self.keeps_wear || !wish.compensates() || self.compensates {
+        let is_zero = wish.distance_mm == 0.0;
+        if !wish.compensates() || self.compensates || !(self.keeps_wear || is_zero) {
             return;
         }
         let name = name();
-        if self.registers.len() < MOST_REGISTERS && !self.registers.contains(&name) {
-            self.registers.push(name);
+        if self.keeps_wear {
+            if self.registers.len() < MOST_REGISTERS && !self.registers.contains(&name) {
+                self.registers.push(name);
+            }
+        } else if self.without_radius.len() < MOST_REGISTERS
+            && self.without_radius.iter().all(|(known, _)| *known != name)
+        {
+            self.without_radius.push((name, self.origin));
         }
     }
 

@@ -7,7 +7,8 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::snc::Origin;
 
-/// Default of [`Options::max_blocks`]: at 50 ms a block this is more than a day at the machine, and an endless loop ends in about ten seconds.
+/// Default of [`Options::max_blocks`]: at 50 ms a block this is more than a day at the machine. An endless loop reaches it in half a minute to
+/// several minutes.
 const MAX_BLOCKS: u64 = 2_000_000;
 /// Number of blocks executed after the first error, to find further errors.
 const BLOCKS_AFTER_ERROR: u64 = 1_000_000;

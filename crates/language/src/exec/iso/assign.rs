@@ -49,6 +49,7 @@ pub(super) fn leaves_unset(program: &Program, words: &[Word], found: Fault) -> F
     let names = words.iter().filter_map(|word| match word.address {
         Address::Variable(target) => match program.expr(target).node {
             Node::Named(name) => Some(name_of(program.names.text(name))),
+            Node::Parameter(number) => Some(format!("#{number}")),
             _ => None,
         },
         _ => None,

@@ -169,7 +169,8 @@ impl Scope<'_, '_> {
             Place::Null => return Ok(None),
             Place::Nowhere => return Err(no_variable(number, span)),
             Place::Variable if self.channel.settings.strict && self.channel.variables.is_left_over(known) => {
-                let message = format!("#{number} keeps its value between programs, and this program has not set it");
+                let keeps = self.channel.variables.keeps(known);
+                let message = format!("#{number} {keeps} its value between programs, and this program has not set it");
                 let help = format!("set it in the program, or add \"#{number}\" = … to [system] of the machine file");
                 return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("#{number}")));
             }

@@ -128,7 +128,9 @@ fn execute(
         check_beside(words, channel.language)?;
         for word in words.iter().filter(|word| is_assignment(word)) {
             let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
-            let assignment = evaluate(&scope, std::slice::from_ref(word))?;
+            let assignment = evaluate(&scope, std::slice::from_ref(word));
+            let assignment =
+                assignment.map_err(|found| leaves_unset(&loaded.program, std::slice::from_ref(word), found))?;
             assign::assign(channel, &assignment, loaded, block)?;
         }
     }

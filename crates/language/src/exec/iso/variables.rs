@@ -25,9 +25,11 @@ pub(super) const FANUC_SYSTEM: u32 = 1000;
 /// User parameters of RS274/NGC: a control with a parameter file keeps them between programs, also those of the outermost level. The others above
 /// contain the state of the control.
 const RS274_USER_END: u32 = 5000;
-/// Fanuc common variables from this number on are retained at power off; on a Haas all are.
-const FANUC_KEPT: u32 = 500;
-const HAAS_KEPT: u32 = 100;
+/// Common variables from this number on keep their values between programs: on a Haas all of them, on a Fanuc #500 to #999. Parameter 6001, bit 6
+/// (CCV), decides if those of a Fanuc below #500 survive a reset, so a program cannot know them either.
+const COMMON_KEPT: u32 = 100;
+/// The first common variable of a Fanuc that is retained without power.
+const FANUC_RETAINED: u32 = 500;
 /// Second numbers of the common variables of a Haas: #10100 is #100. #10000 to #10099 have no other number.
 const HAAS_COMMON: std::ops::RangeInclusive<u32> = 10_000..=10_999;
 
@@ -113,12 +115,12 @@ impl Variables {
             }
             _ if is_haas => {
                 let mut common = vec![None; *HAAS_COMMON.end() as usize + 1];
-                common.iter_mut().skip(HAAS_KEPT as usize).for_each(|value| *value = LEFT_OVER);
+                common.iter_mut().skip(COMMON_KEPT as usize).for_each(|value| *value = LEFT_OVER);
                 common
             }
             _ => {
                 let mut common = vec![None; FANUC_SYSTEM as usize];
-                common[FANUC_KEPT as usize..].fill(LEFT_OVER);
+                common[COMMON_KEPT as usize..].fill(LEFT_OVER);
                 common
             }
         };
@@ -242,6 +244,12 @@ impl Variables {
         let numbered = self.levels.last().map(|level| &level.numbered);
         let store = numbered.filter(|_| index <= self.locals()).unwrap_or(&self.common);
         store.get(index).copied().flatten().is_some_and(f64::is_nan)
+    }
+
+    /// Says if a common variable keeps its value between programs, as a verb of a message.
+    pub(super) fn keeps(&self, number: u32) -> &'static str {
+        let is_certain = self.is_haas || self.language == Language::Rs274 || number >= FANUC_RETAINED;
+        if is_certain { "keeps" } else { "may keep" }
     }
 
     /// Sets a variable by number.
