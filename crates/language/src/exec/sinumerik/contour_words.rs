@@ -17,6 +17,7 @@ use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, WordValue};
 
 /// Words that may be passed to the control, as the output contains no compensation.
@@ -224,6 +225,10 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
     Ok(frame.linear().column(abscissa.slot()).norm())
 }
 
+/// Largest angle between the tool and the normal of the plane for radius compensation under TRAORI, rad: positions of rotary axes in programs have three
+/// decimals of a degree, and two such axes are off by 12 µrad each at most.
+const UPRIGHT_RAD: f64 = 1e-4;
+
 /// The contour request of a block's motion; `None` if it has none.
 pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<ContourRequest> {
     let (corner, soft) = (channel.block.corner.take(), channel.block.soft.take());
@@ -256,7 +261,18 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<ContourRequ
         }
         Clearance::Above(_) => soft,
     });
-    Some(ContourRequest { modal, distance_mm, corner, soft, span: path.span, file: channel.outlet.origin.file })
+    let kinematics = channel.outlet.kinematics.as_deref().filter(|_| path.setup.transform.is_some());
+    let is_upright = kinematics.is_some_and(|kinematics| is_upright(kinematics, path));
+    let file = channel.outlet.origin.file;
+    Some(ContourRequest { modal, distance_mm, corner, soft, is_upright, span: path.span, file })
+}
+
+/// `true` if the tool stands at right angles to the working plane and does not turn.
+fn is_upright(kinematics: &Kinematics, path: &Path) -> bool {
+    let turns = kinematics.rotary_axes().any(|axis| path.start[axis] != path.motion.target[axis]);
+    let is_known = kinematics.rotary_axes().all(|axis| path.start_known.contains(axis));
+    let (tool, normal) = (kinematics.direction(&path.start), path.basis.lift([0.0, 0.0], 1.0));
+    !turns && is_known && tool.dot(&normal) > 0.0 && tool.cross(&normal).norm() < UPRIGHT_RAD
 }
 
 /// Emits a motion through the contour stage.

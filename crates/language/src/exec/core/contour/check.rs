@@ -1,15 +1,31 @@
 //! Conditions that radius compensation rejects.
 
+use super::contour_request::Rules;
 use super::curve::Curve;
 use super::moving::Moving;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 
 pub(super) fn transformed(moving: &Moving) -> Fault {
+    if moving.wish.modal.rules != Rules::Sinumerik {
+        return moving.fault(
+            Code::NOT_SUPPORTED,
+            "radius compensation under a five-axis transformation is not supported",
+            "program the path of the tool center in the CAM system, or a tilted plane with G41 and G42",
+        );
+    }
     moving.fault(
         Code::NOT_SUPPORTED,
-        "radius compensation under TRAORI is not supported",
-        "program the path of the tool center in the CAM system, or a swiveled plane (CYCLE800) with G41 and G42",
+        "radius compensation under TRAORI, while the tool turns or is not at right angles to the working plane",
+        "turn the tool or the plane (TOROT, CYCLE800) before G41, or program the path of the tool center in the CAM system",
+    )
+}
+
+pub(super) fn wear_under_transformation(moving: &Moving) -> Fault {
+    moving.fault(
+        Code::NO_WEAR,
+        "radius compensation under a five-axis transformation cannot stay at the control for the wear",
+        "leave out --compensation wear, and give the radius with its wear in the machine file or with --setup",
     )
 }
 

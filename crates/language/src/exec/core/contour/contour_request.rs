@@ -162,6 +162,9 @@ pub(in crate::exec) struct ContourRequest {
     pub(in crate::exec) distance_mm: f64,
     pub(in crate::exec) corner: Option<Corner>,
     pub(in crate::exec) soft: Option<Soft>,
+    /// `true` if a five-axis transformation is in force and the tool stands at right angles to the working plane during the whole motion: the radius
+    /// in the plane is then that of the tool.
+    pub(in crate::exec) is_upright: bool,
     pub(in crate::exec) span: Span,
     pub(in crate::exec) file: FileId,
 }
