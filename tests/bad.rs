@@ -10,6 +10,7 @@ use crate::support::{Shop, dialects, machine, repository};
 
 /// Codes that no program and no machine file can provoke, with the test that covers each.
 const COVERED_ELSEWHERE: &[(&str, &str)] = &[
+    ("W0246", "left_over_values: an_offset_that_grows_from_run_to_run_is_named"),
     ("W0247", "left_over_values: a_radius_of_0_under_compensation_is_named"),
     ("W0245", "left_over_values: the_length_of_another_tool_is_named"),
     ("W0409", "doubtful_signs: a_backlash_that_goes_too_far_is_named"),

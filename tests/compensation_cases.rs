@@ -120,7 +120,7 @@ fn a_tilted_plane_carries_the_way_with_it() {
         ("ROT Z75", [0, 1], 75.0),
         ("ROT X180", [1, 2], 180.0),
     ] {
-        let tilted = way(&format!("G17\n{frame}\n{text}"), &machine);
+        let tilted = way(&format!("G17\nCUT2DF\n{frame}\n{text}"), &machine);
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let back = |position: &AxisVector| {
             let mut out = *position;

@@ -94,6 +94,40 @@ fn a_radius_of_0_under_compensation_is_named() {
     assert!(!wear.stderr.contains("W0247"), "{}", wear.stderr);
 }
 
+/// A program that adds to its zero offset and does not take it back is corrected for one run only.
+#[test]
+fn an_offset_that_grows_from_run_to_run_is_named() {
+    let moves = "G0 X0. Y0. Z20.\nG1 Z-1. F100.\nX40.\nG0 Z20.\n";
+    let fanuc =
+        |set: &str, end: &str| format!("%\nO1\nG21 G17 G90 G54\nT1 M6\n{set}G90 G54 G43 H1\n{moves}{end}M30\n%\n");
+    let rs274 = |set: &str, end: &str| format!("G21 G17 G90 G54\nT1 M6 G43\n{set}G90 G54\n{moves}{end}M2\n");
+    let sinumerik = |set: &str, end: &str| format!("G17 G54 G90 G71 G64\nT1 D1\nM6\n{set}G54\n{moves}{end}M30\n");
+    let step = "$P_UIFR[1,X,TR]=$P_UIFR[1,X,TR]";
+    let cases = [
+        ("fanuc", fanuc("G91 G10 L2 P1 X10.\n", ""), Some("X by 10")),
+        ("fanuc", fanuc("#5221=#5221+10.\n", ""), Some("X by 10")),
+        ("fanuc", fanuc("G10 L2 P1 X[#5221+10.]\n", ""), Some("X by 10")),
+        // Set to a number, taken back, or too little for the correction to change.
+        ("fanuc", fanuc("G10 L2 P1 X10. Y0. Z0.\nG91 G10 L2 P1 X10.\n", ""), None),
+        ("fanuc", fanuc("G91 G10 L2 P1 X10.\n", "G91 G10 L2 P1 X-10.\nG90\n"), None),
+        ("fanuc", fanuc("G91 G10 L2 P1 X0.02\n", ""), None),
+        ("rs274", rs274("G10 L2 P1 X[#5221+10]\n", ""), Some("X by 10")),
+        ("rs274", rs274("#5222=[#5222-4]\n", ""), Some("Y by -4")),
+        ("rs274", rs274("G10 L2 P1 X10\n", ""), None),
+        ("sinumerik", sinumerik(&format!("{step}+10\n"), ""), Some("X by 10")),
+        ("sinumerik", sinumerik(&format!("{step}+10\n"), &format!("{step}-10\n")), None),
+        ("sinumerik", sinumerik(&format!("$P_UIFR[1,X,TR]=0\n{step}+10\n"), ""), None),
+    ];
+    for (language, program, words) in cases {
+        let shop = Shop::new().file("m.toml", GRUNDIG.replace("grundig", language)).file("p.nc", &program);
+        let args = ["check", "p.nc", "--machine", "m.toml", "--dialect", language];
+        let run = shop.run(args).exits(0);
+        let said = format!("{}{}", run.stdout, run.stderr);
+        assert_eq!(said.contains("warning[W0246]"), words.is_some(), "{program}{said}");
+        assert!(said.contains(words.unwrap_or_default()), "{program}{said}");
+    }
+}
+
 /// LinuxCNC begins with the offset in force: G54 only after M2 and M30.
 #[test]
 fn an_offset_in_force_that_the_program_does_not_name_is_named() {

@@ -858,6 +858,11 @@ first such hole is reported.";
 differ by more than a millimeter: G43 H2 with T1 is mostly a mistake, and the tip then cuts too deep or in the air. ncfix corrects
 the program with the length of H, as the control does. Compare the T and H numbers. If one tool has two offsets with lengths that
 differ so much, nothing is wrong. Only the first such block is reported.";
+    GROWING_OFFSET = "W0246" "each run changes a zero offset again"
+"The program adds to a zero offset, for example with $P_UIFR[1,X,TR]=$P_UIFR[1,X,TR]+10, G91 G10 L2 or X[#5221+10.], and does not take
+the change back. The next run begins with the changed value. ncfix corrects for the values of the machine file or of --setup, that is
+for one run. After ten runs with 10 mm each, the part is 100 mm away, and the correction there is that of another place. Correct the
+program again before each run, with the new values. Or set the offset to a number at the start of the program, or back at its end.";
     RADIUS_ZERO = "W0247" "radius compensation with radius 0"
 "The program uses G41 or G42 (Grundig: G43 and G44 too) with a tool whose radius is 0 in the machine file or in the data of the control.
 The corrected program then moves the tool center along the programmed contour. If only the radius is missing, the tool cuts into the

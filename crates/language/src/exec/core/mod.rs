@@ -80,6 +80,7 @@ pub(in crate::exec) mod five_axis;
 pub(in crate::exec) mod fixed_values;
 pub(in crate::exec) mod flags;
 pub(in crate::exec) mod grid;
+pub(in crate::exec) mod growing_offsets;
 pub(in crate::exec) mod head;
 pub(in crate::exec) mod interpreter;
 pub(in crate::exec) mod level;

@@ -69,6 +69,8 @@ pub(super) struct WrittenData {
     pub(super) via: Via,
     /// Values of zero offsets that the program has set to numbers: the system and the index of the axis in its parameters.
     pub(super) stated: BTreeSet<(System, u32)>,
+    /// Values of zero offsets to which the program has added something, with the first place.
+    pub(super) growing: BTreeMap<(System, u32), Origin>,
 }
 
 impl WrittenData {
@@ -76,6 +78,7 @@ impl WrittenData {
     pub(super) fn state(&mut self, place: (System, u32), is_number: bool) {
         if is_number {
             self.stated.insert(place);
+            self.growing.remove(&place);
         } else {
             self.stated.remove(&place);
         }

@@ -6,9 +6,11 @@ use super::forbidden;
 use super::measure;
 use super::modal::Modal;
 use super::offsets;
+use super::origin;
 use super::system;
 use super::target;
 use super::text;
+use crate::exec::core::growing_offsets;
 use crate::exec::core::motion_sink::MotionSink;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
@@ -88,7 +90,11 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
         parts.rotation[2] = angle.to_radians();
         sums.extend(sum_of(channel, gathered, b'R', false)?);
-        channel.written.state((system, ROTATION), gathered.origin(b'R').is_none());
+        let origin = gathered.origin(b'R');
+        channel.written.state((system, ROTATION), origin.is_none());
+        if origin.is_some_and(|origin| origin::adds_to(channel, origin, (system, ROTATION))) {
+            channel.written.growing.entry((system, ROTATION)).or_insert(channel.outlet.origin);
+        }
     }
     let mut here = None;
     // On a Fanuc, G91 adds to the existing value. The output adds too: the value of the control may differ from that of the machine file.
@@ -110,7 +116,11 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             let place = if channel.is_rs274() { place_of_rs274(axis) } else { system::place_of(channel.axes, axis) };
             if let Some(place) = place {
                 let was_stated = !adds || channel.written.stated.contains(&(system, place));
-                channel.written.state((system, place), was_stated && gathered.origin(axis.letter()).is_none());
+                let origin = gathered.origin(axis.letter());
+                channel.written.state((system, place), was_stated && origin.is_none());
+                if !was_stated || origin.is_some_and(|origin| origin::adds_to(channel, origin, (system, place))) {
+                    channel.written.growing.entry((system, place)).or_insert(channel.outlet.origin);
+                }
             }
             steps[axis] = value;
             parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
@@ -225,6 +235,32 @@ fn say_offset(
         text::append(language, &mut text, b'R', parts.rotation[2].to_degrees());
     }
     push_data(outlet, text, steps.is_some());
+}
+
+/// The warnings for zero offsets to which the program has added something.
+pub(super) fn growing_offsets(channel: &Channel<'_>) -> Vec<Fault> {
+    let growing = &channel.written.growing;
+    let mut systems: Vec<System> = growing.keys().map(|(system, _)| *system).collect();
+    systems.dedup();
+    let grown = |system: System| {
+        let origin = growing.iter().find(|((own, _), _)| *own == system).map(|(_, origin)| *origin)?;
+        let words = system.words();
+        let before = channel.settings.machine.zero_offsets.get(&words).copied().unwrap_or_default();
+        let after = channel.written.offsets.get(&system)?;
+        let is_own = |axis: &Axis| {
+            let place = if channel.is_rs274() { place_of_rs274(*axis) } else { system::place_of(channel.axes, *axis) };
+            place.is_some_and(|place| growing.contains_key(&(system, place)))
+        };
+        let axes: AxisSet = channel.axes.iter().filter(is_own).collect();
+        let turns = growing.contains_key(&(system, ROTATION));
+        growing_offsets::grown(
+            &offsets::words_of(channel.settings.machine, system),
+            origin,
+            [&before, after],
+            (axes, turns),
+        )
+    };
+    systems.into_iter().filter_map(grown).collect()
 }
 
 /// Index of the rotation among the parameters of a zero offset of RS274/NGC.

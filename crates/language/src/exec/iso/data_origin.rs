@@ -14,6 +14,11 @@ pub(super) enum DataOrigin {
 }
 
 impl DataOrigin {
+    /// `true` if it is the value of the variable of this number and a step other than 0.
+    pub(super) fn adds_to(self, place: u32) -> bool {
+        matches!(self, DataOrigin::Stepped { number, step } if number == place && step != 0.0)
+    }
+
     /// Returns the sum as it is written, without brackets: `#5221+5`. The step is multiplied by a factor for the unit of the output.
     pub(super) fn text(self, factor: f64) -> Option<String> {
         let DataOrigin::Stepped { number, step } = self else { return None };

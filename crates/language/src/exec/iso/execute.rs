@@ -2,6 +2,7 @@
 
 use super::call::Call;
 use super::channel::Channel;
+use super::data;
 use super::expression::Scope;
 use super::level::{Action, Called, Interpreter, Iso, Level, Loaded};
 use super::loaded::Loops;
@@ -134,6 +135,8 @@ impl Execute for Iso {
     }
 
     fn finish(run: &mut Interpreter<'_>) {
+        let growing = data::growing_offsets(&run.channel);
+        run.channel.outlet.warnings.extend(growing);
         run.channel.outlet.end(run.ledger.has_errors());
         run.report_rest();
     }

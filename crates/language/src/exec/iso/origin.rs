@@ -3,8 +3,10 @@
 //! The value of the control may differ from that of the machine file. So data that is set from such a value is not written as a number: the output has the
 //! same sum, which the control computes with its own value. Any other computation from such a value cannot be kept.
 
+use super::channel::Channel;
 use super::data_origin::DataOrigin;
 use super::expression::Scope;
+use super::zero_offset::System;
 use super::{predefined, system};
 use crate::exec::core::fault::Fault;
 use crate::syntax::words::{ExprId, Node, Operator, UnaryOperator, Value, Word};
@@ -62,15 +64,25 @@ fn origin(scope: &Scope<'_, '_>, id: ExprId, depth: u32) -> Result<Option<DataOr
     })
 }
 
-/// The origin of the value of a variable.
-fn of_variable(scope: &Scope<'_, '_>, number: u32) -> Option<DataOrigin> {
-    let channel = scope.channel;
-    let place = if channel.is_rs274() {
+/// `true` if a value is that of the same place and a step.
+pub(super) fn adds_to(channel: &Channel<'_>, origin: DataOrigin, place: (System, u32)) -> bool {
+    let DataOrigin::Stepped { number, step } = origin else { return false };
+    step != 0.0 && place_of(channel, number).flatten() == Some(place)
+}
+
+/// The place of a variable with data of the control.
+fn place_of(channel: &Channel<'_>, number: u32) -> Option<Option<(System, u32)>> {
+    if channel.is_rs274() {
         predefined::control_data(number)
     } else {
         system::control_data(number, channel.settings.machine.control.iso.is_haas())
-    };
-    match place {
+    }
+}
+
+/// The origin of the value of a variable.
+fn of_variable(scope: &Scope<'_, '_>, number: u32) -> Option<DataOrigin> {
+    let channel = scope.channel;
+    match place_of(channel, number) {
         // The program itself has set it to a number.
         Some(Some(place)) if channel.written.stated.contains(&place) => None,
         Some(_) => Some(DataOrigin::Stepped { number, step: 0.0 }),

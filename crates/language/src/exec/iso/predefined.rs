@@ -136,6 +136,9 @@ pub(super) fn write_parameter(
 ) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
     written.state((system, place), origin.is_none());
+    if origin.is_some_and(|origin| origin.adds_to(number)) {
+        written.growing.entry((system, place)).or_insert(outlet.origin);
+    }
     let mut parts = target::offset_of(machine, written, system).unwrap_or_default();
     match ORDER.get(place as usize) {
         Some(&axis) => {

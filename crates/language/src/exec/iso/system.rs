@@ -335,6 +335,9 @@ fn write_offset(
         channel.modal.modes.scale() / text::output_unit_mm(channel.settings.machine)
     };
     channel.written.state((system, place), origin.is_none());
+    if origin.is_some_and(|origin| origin.adds_to(number)) {
+        channel.written.growing.entry((system, place)).or_insert(channel.outlet.origin);
+    }
     tell_new(channel, number, (value, unit), origin, span)?;
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;

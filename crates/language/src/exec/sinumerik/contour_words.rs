@@ -7,7 +7,8 @@ use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::{
-    Approach, Clearance, ContourModal, ContourRequest, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition,
+    Approach, Clearance, CompensationDoubt, ContourModal, ContourRequest, Corner, FeedAt, Side, Soft, SoftForm,
+    SoftSide, Transition,
 };
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::motion_sink::MotionSink;
@@ -15,19 +16,21 @@ use crate::exec::core::path::Path;
 use crate::exec::core::standing::InForce;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
-use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, WordValue};
 
 /// Words that may be passed to the control, as the output contains no compensation.
-pub(super) const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D"];
+pub(super) const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D", "CUT2DF"];
 
 impl ContourModal {
     /// Sets a modal word.
     fn set(&mut self, word: &str) {
         match word {
             "G40" => self.side = Side::Off,
+            "CUT2D" => self.follows_frame = false,
+            "CUT2DF" => self.follows_frame = true,
             "G41" => self.side = Side::Left,
             "G42" => self.side = Side::Right,
             "NORM" => self.approach = Approach::Norm,
@@ -225,9 +228,9 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
     Ok(frame.linear().column(abscissa.slot()).norm())
 }
 
-/// Largest angle between the tool and the normal of the plane for radius compensation under TRAORI, rad: positions of rotary axes in programs have three
-/// decimals of a degree, and two such axes are off by 12 µrad each at most.
-const UPRIGHT_RAD: f64 = 1e-4;
+/// Sine of the largest angle between a plane after the frame and that of the machine to be one plane: with a tool radius of 20 mm, both ways of
+/// compensation then differ by less than 0.2 µm.
+const SAME_PLANE: f64 = 1e-5;
 
 /// The contour request of a block's motion; `None` if it has none.
 pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<ContourRequest> {
@@ -261,18 +264,25 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<ContourRequ
         }
         Clearance::Above(_) => soft,
     });
-    let kinematics = channel.outlet.kinematics.as_deref().filter(|_| path.setup.transform.is_some());
-    let is_upright = kinematics.is_some_and(|kinematics| is_upright(kinematics, path));
-    let file = channel.outlet.origin.file;
-    Some(ContourRequest { modal, distance_mm, corner, soft, is_upright, span: path.span, file })
+    let doubt = doubt(channel, path);
+    Some(ContourRequest { modal, distance_mm, corner, soft, doubt, span: path.span, file: channel.outlet.origin.file })
 }
 
-/// `true` if the tool stands at right angles to the working plane and does not turn.
-fn is_upright(kinematics: &Kinematics, path: &Path) -> bool {
-    let turns = kinematics.rotary_axes().any(|axis| path.start[axis] != path.motion.target[axis]);
-    let is_known = kinematics.rotary_axes().all(|axis| path.start_known.contains(axis));
-    let (tool, normal) = (kinematics.direction(&path.start), path.basis.lift([0.0, 0.0], 1.0));
-    !turns && is_known && tool.dot(&normal) > 0.0 && tool.cross(&normal).norm() < UPRIGHT_RAD
+/// The reason why the path of the tool center is not known: CUT2D compensates in the plane of G17 to G19, CUT2DF in that of the frame, and both know no
+/// tool that turns. A plane of CYCLE800 is at right angles to the tool, so that cycles and contours there are those of the plane.
+fn doubt(channel: &Channel<'_>, path: &Path) -> Option<CompensationDoubt> {
+    let modal = &channel.modal.contour;
+    if !modal.compensates() {
+        return None;
+    }
+    let [.., applicate] = channel.modal.modes.plane.axes();
+    let across = path.basis.lift([0.0, 0.0], 1.0).cross(&Vector::ith(applicate.slot(), 1.0)).norm();
+    if across > SAME_PLANE && !modal.follows_frame && channel.modal.swivelled.is_none() {
+        return Some(CompensationDoubt::TiltedPlane);
+    }
+    let kinematics = channel.outlet.kinematics.as_deref().filter(|_| path.setup.transform.is_some())?;
+    let turns = |axis: Axis| !path.start_known.contains(axis) || path.start[axis] != path.motion.target[axis];
+    kinematics.rotary_axes().any(turns).then_some(CompensationDoubt::ToolTurns)
 }
 
 /// Emits a motion through the contour stage.

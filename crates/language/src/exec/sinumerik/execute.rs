@@ -166,6 +166,8 @@ impl Execute for Sinumerik {
 
     fn finish(run: &mut Interpreter<'_>) {
         spline::finish(&mut run.channel);
+        let growing = run.channel.system.frames.growing(run.machine);
+        run.channel.outlet.warnings.extend(growing);
         run.channel.outlet.end(run.ledger.has_errors());
         run.report_warnings(run.channel.outlet.file());
     }

@@ -7,10 +7,11 @@ use ncfix_base::geometry::about;
 use ncfix_base::geometry::by_solid_angles;
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::FrameKind;
-use ncfix_machine::snc::{FrameStatement, WrittenZeros};
+use ncfix_machine::snc::{FrameStatement, Origin, WrittenZeros};
 use std::collections::BTreeMap;
 
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::growing_offsets;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, FrameParts, RotationOrder};
 use ncfix_base::source::Span;
@@ -30,6 +31,8 @@ pub(super) struct FrameStore {
     pub(super) stored_base: BTreeMap<i64, FrameParts>,
     /// Active base frames: those of the control, then those of the channel from number 16 on.
     pub(super) active_base: BTreeMap<i64, FrameParts>,
+    /// Settable frames to which the program has added something before it has set them, with the first place.
+    growing: BTreeMap<i64, Origin>,
 }
 
 /// A frame of the control.
@@ -95,6 +98,23 @@ impl FrameStore {
     /// Sets a settable frame; it takes effect at its next selection.
     pub(super) fn set_settable(&mut self, number: i64, parts: FrameParts) {
         self.settable.insert(number, parts);
+    }
+
+    /// Notes that a settable frame is about to be changed by a step.
+    pub(super) fn grow(&mut self, number: i64, origin: Origin) {
+        if !self.settable.contains_key(&number) {
+            self.growing.entry(number).or_insert(origin);
+        }
+    }
+
+    /// The warnings for settable frames to which the program has added something.
+    pub(super) fn growing(&self, machine: &Machine) -> Vec<Fault> {
+        let grown = |(number, origin): (&i64, &Origin)| {
+            let words = settable_code(*number);
+            let before = machine.zero_offsets.get(&words).copied().unwrap_or_default();
+            growing_offsets::grown(&words, *origin, [&before, self.settable.get(number)?], (machine.axis_set(), true))
+        };
+        self.growing.iter().filter_map(grown).collect()
     }
 
     /// Sets a base frame in the data of the control.

@@ -182,9 +182,13 @@ fn assign_frame(
         let message = "a frame is assigned in a plane that CYCLE800 has tilted";
         return Err(fault(Code::BAD_SWIVEL, span, message, "end the tilted plane with CYCLE800() first"));
     }
+    let origin = channel.outlet.origin;
     let frames = &mut channel.system.frames;
     let shown = match name {
         FrameName::Settable(number) => {
+            if step.is_some() {
+                frames.grow(number, origin);
+            }
             frames.set_settable(number, parts);
             format!("$P_UIFR[{number}]")
         }

@@ -1,24 +1,29 @@
 //! Conditions that radius compensation rejects.
 
-use super::contour_request::Rules;
+use super::contour_request::{CompensationDoubt, Rules};
 use super::curve::Curve;
 use super::moving::Moving;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 
-pub(super) fn transformed(moving: &Moving) -> Fault {
-    if moving.wish.modal.rules != Rules::Sinumerik {
-        return moving.fault(
-            Code::NOT_SUPPORTED,
+/// The fault for a motion whose path of the tool center is not known.
+pub(super) fn doubtful(moving: &Moving) -> Option<Fault> {
+    let (message, help) = match moving.wish.doubt {
+        _ if moving.path.setup.transform.is_some() && moving.wish.modal.rules != Rules::Sinumerik => (
             "radius compensation under a five-axis transformation is not supported",
             "program the path of the tool center in the CAM system, or a tilted plane with G41 and G42",
-        );
-    }
-    moving.fault(
-        Code::NOT_SUPPORTED,
-        "radius compensation under TRAORI, while the tool turns or is not at right angles to the working plane",
-        "turn the tool or the plane (TOROT, CYCLE800) before G41, or program the path of the tool center in the CAM system",
-    )
+        ),
+        Some(CompensationDoubt::ToolTurns) => (
+            "the tool turns while radius compensation is on",
+            "turn it before G41, or program the path of the tool center in the CAM system",
+        ),
+        Some(CompensationDoubt::TiltedPlane) => (
+            "radius compensation with CUT2D in a plane that a frame tilts: CUT2D compensates in the plane of the machine",
+            "write CUT2DF, which compensates in the tilted plane, before G41; or tilt the plane with CYCLE800",
+        ),
+        None => return None,
+    };
+    Some(moving.fault(Code::NOT_SUPPORTED, message, help))
 }
 
 pub(super) fn wear_under_transformation(moving: &Moving) -> Fault {

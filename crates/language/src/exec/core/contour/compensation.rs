@@ -4,7 +4,7 @@
 //! back. The last pieces are held until no following element can change them.
 
 use super::chain::Chain;
-use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed, wear_under_transformation};
+use super::check::{doubtful, no_contour, polynomial, soft_alone, too_narrow, wear_under_transformation};
 use super::contour_request::Approach;
 use super::contour_request::Rules;
 use super::curve::{Curve, Flat, POINT_MM, SAME_MM, add, angle_between, cross, left, scaled, unit};
@@ -174,9 +174,9 @@ impl Compensation {
         if moving.wish.soft.is_some_and(|soft| soft.retracts) {
             findings.push(soft_alone(&moving));
         }
-        if moving.path.setup.transform.is_some() && (!moving.wish.is_upright || self.limits.keeps_wear) {
-            let is_wear = moving.wish.is_upright;
-            findings.push(if is_wear { wear_under_transformation(&moving) } else { transformed(&moving) });
+        let is_wear = moving.path.setup.transform.is_some() && self.limits.keeps_wear;
+        if let Some(found) = doubtful(&moving).or_else(|| is_wear.then(|| wear_under_transformation(&moving))) {
+            findings.push(found);
             out.push(Item::Path(moving));
             return;
         }
@@ -430,9 +430,12 @@ impl Active {
 
     /// The fault for a motion in the plane that cannot be part of the contour.
     pub(super) fn objection(&self, moving: &Moving) -> Option<Fault> {
-        let (code, message, help) = if moving.path.setup.transform.is_some() && !moving.wish.is_upright {
-            return Some(transformed(moving));
-        } else if !moving.wish.compensates() && !same_plane(&self.basis, &moving.path.basis) {
+        if same_plane(&self.basis, &moving.path.basis)
+            && let Some(found) = doubtful(moving)
+        {
+            return Some(found);
+        }
+        let (code, message, help) = if !moving.wish.compensates() && !same_plane(&self.basis, &moving.path.basis) {
             let help = "program a motion in the plane in the block of G40 or after it, before the plane changes";
             let message = "radius compensation ends with the next motion after G40, but the plane is changed or mirrored before it";
             (Code::BAD_COMPENSATION, message, help)

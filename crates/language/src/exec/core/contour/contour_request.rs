@@ -74,6 +74,8 @@ pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) soft_in_plane: bool,
     /// The rules of radius compensation.
     pub(in crate::exec) rules: Rules,
+    /// CUT2DF: the plane of the compensation is that of the frame.
+    pub(in crate::exec) follows_frame: bool,
     /// G43, G44 of Grundig.
     pub(in crate::exec) reach: Reach,
     /// Number of activations of compensation so far.
@@ -154,6 +156,15 @@ pub(in crate::exec) struct Soft {
     pub(in crate::exec) rapid_before: bool,
 }
 
+/// The reason why the path of the tool center is not known under radius compensation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::exec) enum CompensationDoubt {
+    /// The tool turns under a five-axis transformation.
+    ToolTurns,
+    /// A frame tilts the plane, but not by CYCLE800 and without CUT2DF.
+    TiltedPlane,
+}
+
 /// The contour request of one motion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::exec) struct ContourRequest {
@@ -162,9 +173,8 @@ pub(in crate::exec) struct ContourRequest {
     pub(in crate::exec) distance_mm: f64,
     pub(in crate::exec) corner: Option<Corner>,
     pub(in crate::exec) soft: Option<Soft>,
-    /// `true` if a five-axis transformation is in force and the tool stands at right angles to the working plane during the whole motion: the radius
-    /// in the plane is then that of the tool.
-    pub(in crate::exec) is_upright: bool,
+    /// The reason why the path of the tool center is not known under radius compensation.
+    pub(in crate::exec) doubt: Option<CompensationDoubt>,
     pub(in crate::exec) span: Span,
     pub(in crate::exec) file: FileId,
 }

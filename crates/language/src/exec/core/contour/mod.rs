@@ -35,8 +35,8 @@ mod unknown;
 
 pub(in crate::exec) use angle::crossing;
 pub(in crate::exec) use contour_request::{
-    Approach, Clearance, ContourModal, ContourRequest, Corner, FeedAt, Reach, Shown, Side, Soft, SoftForm, SoftSide,
-    Transition,
+    Approach, Clearance, CompensationDoubt, ContourModal, ContourRequest, Corner, FeedAt, Reach, Shown, Side, Soft,
+    SoftForm, SoftSide, Transition,
 };
 pub(in crate::exec) use moving::{Item, Moving};
 pub(in crate::exec) use stage::ContourStage;

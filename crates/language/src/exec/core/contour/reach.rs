@@ -1,6 +1,6 @@
 //! G43 and G44 of Grundig: straight motions that end a tool radius before or beyond their end, and the following motions.
 
-use super::check::transformed;
+use super::check::doubtful;
 use super::compensation::{Active, Compensation};
 use super::contour_request::Reach;
 use super::corner::NO_WAY_MM;
@@ -57,9 +57,7 @@ impl Compensation {
 
     /// Begins compensation with a contour element whose start the tool is already beside.
     fn begin_beside(&mut self, moving: Box<Moving>, position: AxisVector, findings: &mut Vec<Fault>) {
-        if moving.path.setup.transform.is_some() {
-            findings.push(transformed(&moving));
-        }
+        findings.extend(doubtful(&moving));
         let basis = moving.path.basis;
         let beside = moving.wish.distance_mm;
         let mut active = Box::new(Active {

@@ -242,9 +242,12 @@ impl Tracking {
 
     /// The fault for a motion that cannot be compensated.
     fn objection(&self, moving: &Moving) -> Option<Fault> {
-        let (code, message, help) = if moving.path.setup.transform.is_some() {
-            return Some(super::check::transformed(moving));
-        } else if !same_plane(&self.basis, &moving.path.basis) || self.basis == PlaneBasis::Principal(Plane::YZ) {
+        if let Some(found) = super::check::doubtful(moving) {
+            return Some(found);
+        }
+        let (code, message, help) = if !same_plane(&self.basis, &moving.path.basis)
+            || self.basis == PlaneBasis::Principal(Plane::YZ)
+        {
             let help = "end it with G40 before the plane changes, and use it in G17 and G18";
             (Code::BAD_COMPENSATION, "radius compensation in G19, or the plane changes while it is on", help)
         } else if moving.path.motion.is_inverse_time() {

@@ -60,6 +60,6 @@ impl ContourRequest {
             Side::Off if modal.reach == Reach::End => 0.0,
             Side::Off => radius_mm,
         };
-        ContourRequest { modal, distance_mm, corner: None, soft: None, is_upright: false, span, file }
+        ContourRequest { modal, distance_mm, corner: None, soft: None, doubt: None, span, file }
     }
 }
