@@ -2,6 +2,7 @@
 //! among which [`super::select()`] chooses further terms.
 //!
 //! The usual errors are, in this order: offsets and tilts of the rotary axes, squareness of the linear axes, offsets of the spindle if a rotary axis carries it,
+//! tilts of the spindle if the tools have several lengths,
 //! scales of the linear axes (degree 1 of their positioning), and backlash. Of errors that are not separable, the later one is left out. Candidates are the
 //! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument.
 
@@ -16,6 +17,8 @@ use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::candidates::{PiecewisePolynomials, of_component};
 
+/// Tools whose lengths differ by less have one length, mm.
+const ONE_LENGTH_MM: f64 = 1.0;
 /// Length of a travel below which an axis counts as standing, mm or rad.
 const STANDS: f64 = 1e-6;
 
@@ -43,6 +46,7 @@ pub fn usual_errors(machine: &Machine, errors: &ErrorModel, data: &[DataSet]) ->
         let across = DIRECTIONS.into_iter().take(3).enumerate().filter(|(place, _)| *place != along);
         all.extend(across.map(|(_, direction)| ParameterName::location(ErrorName::spindle(direction))));
     }
+    all.extend(spindle_tilts(machine, data).map(ParameterName::location));
     let linear: Vec<Axis> =
         AXES.into_iter().filter(|&axis| !axis.is_rotary() && machine.axis(axis).is_some()).collect();
     all.extend(linear.iter().map(|&axis| ParameterName::coefficient(positioning(axis), 1)));
@@ -88,6 +92,21 @@ pub fn usual_candidates(machine: &Machine, data: &[DataSet], pieces: PiecewisePo
     };
     let terms = components.into_iter().flat_map(|component| of_component(component, data, pieces));
     terms.filter(|name| !is_alignment(name)).collect()
+}
+
+/// The tilts of the spindle that readings may show: those that were read, and both across its axis if the tools have several lengths. Such tools show
+/// the angle between an axis and the spindle. A spindle that counts as exact would give the axis its own tilt.
+fn spindle_tilts(machine: &Machine, data: &[DataSet]) -> impl Iterator<Item = ErrorName> {
+    let axis = machine.spindle.axis;
+    let lengths = data.iter().flat_map(|set| &set.observations).map(|row| row.reading.tool_mm.dot(&axis));
+    let [low, high] =
+        lengths.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], length| [low.min(length), high.max(length)]);
+    let has_lengths = high - low > ONE_LENGTH_MM;
+    let along = axis.iamax();
+    let across = DIRECTIONS.into_iter().skip(3).enumerate().filter(move |(place, _)| *place != along);
+    across.map(|(_, direction)| ErrorName::spindle(direction)).filter(move |tilt| {
+        has_lengths || data.iter().any(|set| set.observations.iter().any(|row| row.component == Some(*tilt)))
+    })
 }
 
 /// The error of an axis along or about itself, by its letter.
