@@ -18,6 +18,7 @@ mod bottleneck;
 mod bounds;
 mod by_hand;
 mod calibrate;
+mod calibrate_contradiction;
 mod calibrate_effects;
 mod calibrate_factors;
 mod calibrate_limits;

@@ -10,11 +10,11 @@ use super::residuals::residual_table;
 use super::selection;
 use super::widened::widen;
 use super::{
-    conditions, figures, frame, has_errors, not_identified, omitted, references, relative, repeated, signs, slope,
-    uncertain,
+    conditions, contradicting, figures, frame, has_errors, not_identified, omitted, references, relative, repeated,
+    signs, slope, uncertain,
 };
 use crate::calibrate::{
-    ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, fit, quality, select,
+    ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, contradictions, fit, quality, select,
 };
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
@@ -220,6 +220,8 @@ impl PreparedFit<'_> {
             not_identified::refuse(fault, "with the lengths of certificates: ", &self.used, findings);
             return None;
         }
+        let contradicting = contradictions(self.begin.machine, &parameters, &data, self.options(), &fit);
+        contradicting::apply(&contradicting, &self.used, &data, &mut fit, findings);
         let (of, noise) = ((self.begin.machine, start), of_noise.as_mut().map(|(_, fit)| fit));
         report.mean_lines = frame::refer(of, &parameters, &self.used, &mut fit, noise);
         let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);

@@ -11,6 +11,7 @@ pub mod calibration;
 mod cells;
 pub mod compared;
 mod conditions;
+mod contradicting;
 pub mod corrected;
 mod data_faults;
 pub mod decomposition;
