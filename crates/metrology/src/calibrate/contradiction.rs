@@ -159,7 +159,9 @@ impl HomogeneityTest<'_> {
             for file in 0..self.files.len() {
                 let Some([difference, variance]) = self.score(solved, parameter, file) else { continue };
                 let sigmas = difference.abs() / variance.sqrt();
-                let is_small = difference.abs() * self.effects.get(parameter).copied().unwrap_or(0.0) < SMALL_MM;
+                let effect_mm = difference.abs() * self.effects.get(parameter).copied().unwrap_or(0.0);
+                // A reading of a location error itself has no place, and no displacement there.
+                let is_small = effect_mm > 0.0 && effect_mm < SMALL_MM;
                 let is_chance = || student::two_sided(sigmas, self.freedom(parameter, file)) > CHANCE;
                 if is_small || best.is_some_and(|(most, _)| most >= sigmas) || is_chance() {
                     continue;
