@@ -27,6 +27,7 @@ mod calibrate_rank;
 mod calibrate_recover;
 mod calibrate_select;
 mod calibrate_terms;
+mod calibrate_sorted;
 mod calibrate_told;
 mod calibration_report;
 mod cases;

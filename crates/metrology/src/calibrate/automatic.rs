@@ -16,6 +16,7 @@ use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::candidates::{PiecewisePolynomials, of_component};
 
+use super::sorted::sorted_axes;
 /// Length of a travel below which an axis counts as standing, mm or rad.
 const STANDS: f64 = 1e-6;
 
@@ -49,7 +50,9 @@ pub fn usual_errors(machine: &Machine, errors: &ErrorModel, data: &[DataSet]) ->
     let reversing: Vec<&DataSet> = data.iter().filter(|set| shows_reversals(set)).collect();
     if !data.iter().any(|set| set.free.contains(&Free::Drift)) {
         let moved = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
-        let reversed = moved.filter(|&axis| reversing.iter().any(|set| moves(set, axis)));
+        let is_read =
+            |axis: &Axis| reversing.iter().any(|set| moves(set, *axis) && !sorted_axes(machine, set).contains(axis));
+        let reversed = moved.filter(is_read);
         all.extend(reversed.map(|axis| ParameterName::backlash(positioning(axis))));
     }
     all

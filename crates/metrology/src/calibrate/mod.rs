@@ -34,6 +34,7 @@ mod robust;
 mod row_store;
 mod select;
 pub mod sensors;
+mod sorted;
 mod unit;
 pub mod words;
 
@@ -55,4 +56,5 @@ pub use ncfix_base::numeric::stepwise::{Change, Choice, Gain, Rule, Term};
 pub use quality::{ComparedReading, Quality, quality};
 pub use reduce::{Reduced, reduce};
 pub use select::{Refusal, Selected, select};
+pub use sorted::sorted_axes;
 pub use words::{Confused, Lost};

@@ -11,7 +11,7 @@ use super::selection;
 use super::widened::widen;
 use super::{
     conditions, contradicting, figures, frame, has_errors, not_identified, omitted, references, relative, repeated,
-    signs, slope, uncertain,
+    signs, slope, sorted_rows, uncertain,
 };
 use crate::calibrate::{
     ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, contradictions, fit, quality, select,
@@ -111,9 +111,10 @@ pub fn prepare<'a>(
     if has_errors(findings) {
         return None;
     }
+    let start = (begin.machine, begin.errors);
+    sorted_rows::take_as_unknown(start, &parameters, settings.is_automatic, &mut all, findings);
     let held_out = all.split_off(used.min(all.len()));
     if settings.reduce {
-        let start = (begin.machine, begin.errors);
         parameters = not_identified::reduced(start, &parameters, &all, findings, &mut report.left_out);
     }
     if settings.is_automatic {

@@ -42,6 +42,7 @@ mod signs;
 pub mod simulated;
 mod size_range;
 mod slope;
+mod sorted_rows;
 pub mod stated;
 pub mod uncertain;
 pub mod weighed;
