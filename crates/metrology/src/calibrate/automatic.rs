@@ -3,7 +3,8 @@
 //!
 //! The usual errors are, in this order: offsets and tilts of the rotary axes, squareness of the linear axes, offsets of the spindle if a rotary axis carries it,
 //! scales of the linear axes (degree 1 of their positioning), and backlash. Of errors that are not separable, the later one is left out. Candidates are the
-//! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument.
+//! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument. Angles of linear axes
+//! are candidates if the readings show them, for example with tools of two lengths.
 
 use crate::measure::data::{DataSet, Free};
 use crate::measure::kind::Measurand;
@@ -15,8 +16,8 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::candidates::{PiecewisePolynomials, of_component};
-
 use super::sorted::sorted_axes;
+
 /// Length of a travel below which an axis counts as standing, mm or rad.
 const STANDS: f64 = 1e-6;
 
@@ -91,6 +92,16 @@ pub fn usual_candidates(machine: &Machine, data: &[DataSet], pieces: PiecewisePo
     };
     let terms = components.into_iter().flat_map(|component| of_component(component, data, pieces));
     terms.filter(|name| !is_alignment(name)).collect()
+}
+
+/// The candidates for angular errors that the readings show: polynomials, which the displacements at a few arms separate from straightness and positioning.
+#[must_use]
+pub fn angle_candidates(angles: &[ErrorName], pieces: PiecewisePolynomials) -> Vec<ParameterName> {
+    let terms = |angle: &ErrorName| {
+        let angle = *angle;
+        (1..=pieces.degree).map(move |degree| ParameterName::coefficient(angle, degree))
+    };
+    angles.iter().flat_map(terms).collect()
 }
 
 /// The error of an axis along or about itself, by its letter.
