@@ -102,7 +102,8 @@ mod tests {
     /// Positions in X and Y, and lines of the description.
     fn sorted(places: &[[f64; 2]], more: &str) -> Vec<Axis> {
         let machine = bench::machine();
-        let rows = places.iter().fold("X,Y,Z,dx_um\n".to_owned(), |rows, [x, y]| rows + &format!("{x},{y},0,1\n"));
+        let row = |(number, [x, y]): (usize, &[f64; 2])| format!("{x},{y},0,{number}\n");
+        let rows = "X,Y,Z,dx_um\n".to_owned() + &places.iter().enumerate().map(row).collect::<String>();
         let text = format!("[measurement]\nkind = \"displacement\"\n{more}");
         sorted_axes(&machine, &bench::table(&machine, &rows, &text))
     }
