@@ -79,6 +79,8 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0335", "datum: a_touch_without_angles_is_named"),
     ("W0332", "not_shown: a_straightness_that_no_reading_shows_is_named"),
     ("W0622", "signs_and_lines: a_squareness_under_the_letter_of_the_other_axis_is_turned"),
+    ("W0624", "calibrate_contradiction: two_reversal_values_of_one_axis_are_named"),
+    ("W0625", "calibrate_sorted: a_sorted_grid_has_no_backlash"),
     ("W0623", "signs_and_lines: a_calibrated_length_needs_its_uncertainty"),
     ("W0621", "reference_lines: an_appended_uncertainty_is_named_when_it_is_replaced"),
     ("W0620", "not_shown: a_squareness_that_the_readings_show_and_the_model_lacks_is_named"),

@@ -7,10 +7,11 @@ use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::automatic::{usual_candidates, usual_errors};
+use ncfix_metrology::calibrate::automatic::{angle_candidates, usual_candidates, usual_errors};
 use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component, of_motion};
 use ncfix_metrology::calibrate::{Parameter, effect, reduce};
 use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::results::not_shown::shown_angles;
 use ncfix_metrology::results::parameters::{ModelText, read, states_term};
 use ncfix_model::ErrorModel;
 use ncfix_model::name::{ErrorKind, ErrorName};
@@ -177,6 +178,8 @@ pub(crate) fn candidates(
             all.extend(found);
         } else if word == AUTO {
             all.extend(usual_candidates(machine, data, pieces).into_iter().map(Parameter::from));
+            let angles = shown_angles(machine, errors, data);
+            all.extend(angle_candidates(&angles, pieces).into_iter().map(Parameter::from));
         } else if word == "motion" {
             all.extend(of_motion(machine, data, pieces).into_iter().map(Parameter::from));
         } else {

@@ -1180,6 +1180,21 @@ of the machine file and the opposite sign, and the warning is gone.";
 error of a certificate is the same in all readings: 0.5 µm on a bar of 100 mm makes the scales of all axes uncertain by 5 µm/m, however
 many readings there are. Without the value, ncfix calibrate prints an interval that is too narrow. Give --length-sigma, or write
 length_sigma_um into the section [setup.A] of the description.";
+    FILES_CONTRADICT = "W0624" "files that contradict each other"
+"ncfix calibrate gives an error of the machine one value for all files. Here two files show different values of one error, more than four
+combined standard uncertainties apart. In consistent files, this happens once in 16,000 comparisons. The fitted value is a compromise, and
+possibly right for neither. Its uncertainty in the new machine file is therefore at least the distance to the value of each of the two files. One of
+the files measured another state of the machine: another date, another temperature, before and after a repair, or with another offset or
+compensation in the control. A wrong sign or a wrong column has the same effect. Find the file that describes the machine as it is now, and
+calibrate without the other one. --hold-out with the other file shows how far it is off. If both are right, the model lacks an error that differs
+between their positions: ncfix diagnose searches for it.";
+    ORDER_UNKNOWN = "W0625" "rows sorted by position, without directions of approach"
+"Without a column X_dir, ncfix takes the direction of approach of a reading from the row before it. The rows of this file are sorted by
+position, and its description does not state their order. Readings in the order of the motion can look like this: line after line,
+always from the same end. A table that a program has sorted looks the same, and its directions are wrong. ncfix calibrate would find
+a backlash that the machine does not have. It therefore takes the directions in this file as unknown, and fits no backlash to its
+readings. If the rows are in the order of the motion, write order = \"motion\" into [measurement] of the description. If they are not, add a column
+X_dir with 1 or -1 in each row, or write order = \"unknown\".";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or

@@ -4,7 +4,8 @@
 //! The usual errors are, in this order: offsets and tilts of the rotary axes, squareness of the linear axes, offsets of the spindle if a rotary axis carries it,
 //! tilts of the spindle if the tools have several lengths,
 //! scales of the linear axes (degree 1 of their positioning), and backlash. Of errors that are not separable, the later one is left out. Candidates are the
-//! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument.
+//! curves of components that were measured, without degree 1 of a straightness, which is a squareness or the alignment of the instrument. Angles of linear axes
+//! are candidates if the readings show them, for example with tools of two lengths.
 
 use crate::measure::data::{DataSet, Free};
 use crate::measure::kind::Measurand;
@@ -16,6 +17,7 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::candidates::{PiecewisePolynomials, of_component};
+use super::sorted::sorted_axes;
 
 /// Tools whose lengths differ by less have one length, mm.
 const ONE_LENGTH_MM: f64 = 1.0;
@@ -53,7 +55,9 @@ pub fn usual_errors(machine: &Machine, errors: &ErrorModel, data: &[DataSet]) ->
     let reversing: Vec<&DataSet> = data.iter().filter(|set| shows_reversals(set)).collect();
     if !data.iter().any(|set| set.free.contains(&Free::Drift)) {
         let moved = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
-        let reversed = moved.filter(|&axis| reversing.iter().any(|set| moves(set, axis)));
+        let is_read =
+            |axis: &Axis| reversing.iter().any(|set| moves(set, *axis) && !sorted_axes(machine, set).contains(axis));
+        let reversed = moved.filter(is_read);
         all.extend(reversed.map(|axis| ParameterName::backlash(positioning(axis))));
     }
     all
@@ -107,6 +111,16 @@ fn spindle_tilts(machine: &Machine, data: &[DataSet]) -> impl Iterator<Item = Er
     across.map(|(_, direction)| ErrorName::spindle(direction)).filter(move |tilt| {
         has_lengths || data.iter().any(|set| set.observations.iter().any(|row| row.component == Some(*tilt)))
     })
+}
+
+/// The candidates for angular errors that the readings show: polynomials, which the displacements at a few arms separate from straightness and positioning.
+#[must_use]
+pub fn angle_candidates(angles: &[ErrorName], pieces: PiecewisePolynomials) -> Vec<ParameterName> {
+    let terms = |angle: &ErrorName| {
+        let angle = *angle;
+        (1..=pieces.degree).map(move |degree| ParameterName::coefficient(angle, degree))
+    };
+    angles.iter().flat_map(terms).collect()
 }
 
 /// The error of an axis along or about itself, by its letter.

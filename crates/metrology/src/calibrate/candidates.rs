@@ -127,6 +127,7 @@ mod tests {
             is_plan: false,
             conditions: Vec::new(),
             is_in_order: true,
+            is_order_stated: true,
             is_unit_stated: false,
             is_square_stated: false,
             sensors: None,

@@ -4,15 +4,17 @@
 //! Gauss–Newton iterations on the full kinematics, with robust weights. It refuses data that do not separate the parameters: [`FitError::NotIdentified`] names
 //! them in [`words`], and [`reduce()`] leaves them out. Set-up unknowns without effect are held. Results have uncertainties, which [`monte_carlo()`]
 //! checks, and [`quality()`] compares a model with data, including held-out data. [`select()`] selects the parameters that the data need. [`sensors`]
-//! selects temperature sensors for a drift.
+//! selects temperature sensors for a drift. [`contradictions()`] names parameters for which files differ.
 
 pub mod automatic;
 #[cfg(test)]
 pub(crate) mod bench;
+mod by_file;
 pub mod candidates;
 mod cause;
 mod certified;
 mod column;
+mod contradiction;
 mod design;
 mod drift;
 pub mod effect;
@@ -32,11 +34,13 @@ mod robust;
 mod row_store;
 mod select;
 pub mod sensors;
+mod sorted;
 mod unit;
 pub mod words;
 
 pub use certified::add_certificates;
 pub use column::Column;
+pub use contradiction::{Contradiction, FileValue, contradictions};
 pub(crate) use design::WEAK;
 pub use design::{EquationOrigin, Factored, ReadingEquation, equations};
 pub use drift::reversals;
@@ -52,4 +56,5 @@ pub use ncfix_base::numeric::stepwise::{Change, Choice, Gain, Rule, Term};
 pub use quality::{ComparedReading, Quality, quality};
 pub use reduce::{Reduced, reduce};
 pub use select::{Refusal, Selected, select};
+pub use sorted::sorted_axes;
 pub use words::{Confused, Lost};

@@ -103,6 +103,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         ranges: Vec::new(),
         conditions: Vec::new(),
         is_in_order: true,
+        is_order_stated: true,
         is_unit_stated: false,
         is_square_stated: false,
         sensors: None,

@@ -10,11 +10,11 @@ use super::residuals::residual_table;
 use super::selection;
 use super::widened::widen;
 use super::{
-    conditions, figures, frame, has_errors, not_identified, omitted, references, relative, repeated, signs, slope,
-    uncertain,
+    conditions, contradicting, figures, frame, has_errors, not_identified, omitted, references, relative, repeated,
+    signs, slope, sorted_rows, uncertain,
 };
 use crate::calibrate::{
-    ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, fit, quality, select,
+    ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, add_certificates, contradictions, fit, quality, select,
 };
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::measure::kind::Measurand;
@@ -111,9 +111,10 @@ pub fn prepare<'a>(
     if has_errors(findings) {
         return None;
     }
+    let start = (begin.machine, begin.errors);
+    sorted_rows::take_as_unknown(start, &parameters, settings.is_automatic, &mut all, findings);
     let held_out = all.split_off(used.min(all.len()));
     if settings.reduce {
-        let start = (begin.machine, begin.errors);
         parameters = not_identified::reduced(start, &parameters, &all, findings, &mut report.left_out);
     }
     if settings.is_automatic {
@@ -220,6 +221,8 @@ impl PreparedFit<'_> {
             not_identified::refuse(fault, "with the lengths of certificates: ", &self.used, findings);
             return None;
         }
+        let contradicting = contradictions(self.begin.machine, &parameters, &data, self.options(), &fit);
+        contradicting::apply(&contradicting, &self.used, &data, &mut fit, findings);
         let (of, noise) = ((self.begin.machine, start), of_noise.as_mut().map(|(_, fit)| fit));
         report.mean_lines = frame::refer(of, &parameters, &self.used, &mut fit, noise);
         let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);

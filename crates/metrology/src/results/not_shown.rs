@@ -8,6 +8,7 @@ use super::rotary_places::{places, shows_place};
 use crate::calibrate::automatic::usual_errors;
 use crate::calibrate::{Parameter, identify};
 use crate::measure::data::DataSet;
+use crate::measure::ranges::measured_ranges;
 use ncfix_base::geometry::{AXES, Axis, Plane};
 use ncfix_machine::machine::squareness::{pair, squareness};
 use ncfix_machine::machine::{Machine, MeasuredRanges};
@@ -138,6 +139,13 @@ pub fn not_shown(
     }
     let was_stated = earlier.is_some_and(|earlier| earlier.not_shown.is_some());
     (was_stated || !names.is_empty()).then_some(names)
+}
+
+/// The angular errors of linear axes that these readings show beside location errors, scales, slopes and bows, and that displace the tool within their ranges.
+#[must_use]
+pub fn shown_angles(machine: &Machine, start: &ErrorModel, data: &[DataSet]) -> Vec<ErrorName> {
+    let angles = with_effect(machine, &measured_ranges(machine, data, None));
+    shown(machine, &angles, &separate_from(machine, start, data), data)
 }
 
 /// The squareness errors of a machine about which neither a model nor the errors at the start say anything.

@@ -10,7 +10,7 @@ use crate::diagnose::{AcceptedCause, EXPANDED};
 use ncfix_model::ParameterName;
 
 /// Enlarges the uncertainty of one parameter, and its row of the factor of the covariance.
-fn enlarge(fit: &mut Fit, place: usize, times: f64) {
+pub(super) fn enlarge(fit: &mut Fit, place: usize, times: f64) {
     if let Some(estimate) = fit.estimates.get_mut(place) {
         estimate.sigma *= times;
         estimate.inflation *= times * times;

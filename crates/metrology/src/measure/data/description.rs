@@ -175,7 +175,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
     let free = section.texts("free");
     let date = section.date("date").map(str::to_owned);
     let head = section.text("head").map(str::to_owned);
-    let is_in_order = choice(section, "order", ["motion", "unknown"]) != Some(1);
+    let order = choice(section, "order", ["motion", "unknown"]);
     let is_unit_stated = choice(section, "unit", ["stated", "assumed"]) == Some(0);
     let kind = kind?;
     if scale_sigma.is_some() && !matches!(kind.measurand, Measurand::Component | Measurand::LineLength) {
@@ -230,7 +230,8 @@ fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instrum
         is_plan: false,
         fixed: Vec::new(),
         ranges: Vec::new(),
-        is_in_order,
+        is_in_order: order != Some(1),
+        is_order_stated: order.is_some(),
         is_unit_stated,
         is_square_stated: reference == Some(0),
         sensors: None,

@@ -275,6 +275,7 @@ fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> 
         ranges: Vec::new(),
         conditions: Vec::new(),
         is_in_order: true,
+        is_order_stated: true,
         is_unit_stated: false,
         is_square_stated: false,
         sensors: None,
