@@ -82,7 +82,7 @@ pub mod table {
 
 /// Protocols of links.
 pub mod link {
-    pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, LineRewriter, Profile, Protocol, Wire};
+    pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, LineRewriter, LossKind, Profile, Protocol, Wire};
 }
 
 /// Sources of live readings.
