@@ -39,8 +39,8 @@ pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;
     pub use ncfix_metrology::diagnose::cause::{
-        Candidate, Cause, Correctable, EffectKind, Propose, Term, Values, Weight, axes, column, linear, own, range,
-        times,
+        Candidate, Cause, CauseId, Correctable, EffectKind, Propose, Term, Values, Weight, axes, column, linear, own,
+        range, times,
     };
     pub use ncfix_metrology::diagnose::extend::Change;
     pub use ncfix_metrology::diagnose::row::SceneRow;

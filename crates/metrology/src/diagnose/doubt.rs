@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, EffectKind, Term, circle, own};
+use super::cause::{Candidate, CauseId, EffectKind, Term, circle, own};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
@@ -152,7 +152,7 @@ impl Field<'_, '_> {
 
     /// Returns the reason why the scale of an axis is known only relative to those of others: equal scales of these axes do not change the readings. A bar of
     /// unknown length reads the same if all axes of its circles are longer by the same share.
-    pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<ExtrapolationRisk> {
+    pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<(CauseId, ExtrapolationRisk)> {
         let one = self.candidates.get(number).filter(|one| is_scale(one))?;
         let others = self.candidates.iter().filter(|other| is_scale(other) && other.parameter != one.parameter);
         let others: Vec<&Candidate> = others.take(MOST).collect();
@@ -185,12 +185,10 @@ impl Field<'_, '_> {
             }
             left(&sum) <= OWN * whole
         })?;
-        let names: Vec<String> = chosen(with).map(Candidate::title).collect();
-        let line = line_along(self.scene, one);
-        Some(ExtrapolationRisk {
-            rivals: vec![names.join(" with ")],
-            separate_by: format!("a bar of calibrated length, or {line}"),
-        })
+        let rival = CauseId::together(chosen(with).map(Candidate::id).collect());
+        let separate_by = format!("a bar of calibrated length, or {}", line_along(self.scene, one));
+        let risk = ExtrapolationRisk { rivals: vec![rival.to_string()], separate_by };
+        Some((rival, risk))
     }
 
     /// True if a reversal rotation of a carriage may as well be a plain backlash, which is independent of the tool position.
