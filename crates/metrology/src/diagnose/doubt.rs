@@ -101,7 +101,7 @@ impl Field<'_, '_> {
             // Cross-couplings with and without the contribution of each axis count as one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
-            let [far, of_other] = [one, other].map(Candidate::far_fetched);
+            let [far, of_other] = [one, other].map(Candidate::plausibility_rank);
             let columns = self.columns(other);
             let is_better = series.gain(&columns).squares > own + BETTER * noise;
             // A bow with a slope fits more by chance; an unnamed term was selected from many candidates.
@@ -146,7 +146,7 @@ impl Field<'_, '_> {
         let rivals = Rivals::new(&simple, &left);
         let found = rivals
             .pair(needed, &moves)
-            .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
+            .or_else(|| (one.plausibility_rank() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
     }
 
@@ -194,11 +194,11 @@ impl Field<'_, '_> {
     /// True if a reversal rotation of a carriage may as well be a plain backlash, which is independent of the tool position.
     fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<ExtrapolationRisk> {
         let is_play = |one: &Candidate| matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay);
-        if !is_play(one) || one.far_fetched() < FAR {
+        if !is_play(one) || one.plausibility_rank() < FAR {
             return None;
         }
         let others = class.iter().skip(1).filter_map(|&number| self.candidates.get(number));
-        let plain = others.into_iter().find(|other| is_play(other) && other.far_fetched() < FAR)?;
+        let plain = others.into_iter().find(|other| is_play(other) && other.plausibility_rank() < FAR)?;
         Some(ExtrapolationRisk {
             rivals: vec![format!("{} {}", plain.cause.effect, plain.parameter)],
             separate_by: separating(self.scene, one, plain),
@@ -276,7 +276,7 @@ impl Field<'_, '_> {
                 (EffectKind::Motion, Term::None) => self.bows.contains(&number),
                 _ => false,
             };
-            is_kind && one.far_fetched() / 10 < than.far_fetched() / 10
+            is_kind && one.plausibility_rank() / 10 < than.plausibility_rank() / 10
         };
         (0..self.bows.end).filter(is_simple).collect()
     }

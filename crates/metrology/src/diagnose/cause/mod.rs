@@ -371,7 +371,7 @@ impl Candidate {
 
     /// Plausibility rank: among equally good candidates, the one with the lowest rank is named.
     #[must_use]
-    pub fn far_fetched(&self) -> u32 {
+    pub fn plausibility_rank(&self) -> u32 {
         let of_effect = match self.cause.effect {
             EffectKind::Location => 0,
             EffectKind::Backlash => 2,
