@@ -26,7 +26,7 @@ impl ErrorSource for Overhangs {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Overhang {
     reach_mm: f64,
     sag_mm: f64,

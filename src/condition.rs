@@ -62,7 +62,7 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
     let mut parts = Vec::new();
     let mut is_logged = false;
     for path in &choice.files {
-        let source = files::read(path, FileId(0), "state, --state")?;
+        let source = files::read(path, FileId(0), files::option("state, --state"))?;
         let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         let is_log = is_table || log::is_log(&source);
         is_logged |= is_log;

@@ -58,7 +58,7 @@ impl DataSet {
         };
         let [own, other] = measurement::ids(0);
         let table = files::read(path, own, "measurement")?;
-        let description = files::read_written(&beside, other, files::DESCRIPTION)?;
+        let description = files::read_written(&beside, other, files::FileRole::Description)?;
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let described = trace::describe(&name, &description).and_then(|(described, _)| described);
         let control = described.and_then(|described| measurement::control_file(path, &described));

@@ -72,6 +72,8 @@ pub struct Diagnostics {
     has_language_error: bool,
     /// True after the warning that the demo machine is used.
     has_demo: bool,
+    /// The errors whose help names the demo machine.
+    of_demo: HashSet<Identity>,
     /// The help for the first syntax error of a file, by file name.
     hints: HashMap<String, Hint>,
     /// The hints that applied: files that turned out to be in another language.
@@ -255,7 +257,7 @@ impl Diagnostics {
         }
         self.has_demo |= diagnostic.code == Code::NO_MACHINE;
         if diagnostic.is_error() {
-            if self.has_demo && ABOUT_MACHINE.contains(&diagnostic.code) && !diagnostic.help.starts_with(DEMO_HELP) {
+            if self.has_demo && ABOUT_MACHINE.contains(&diagnostic.code) && self.of_demo.insert(identity.clone()) {
                 diagnostic.help.insert_str(0, DEMO_HELP);
             }
             if is_of_text(&diagnostic)
@@ -277,6 +279,7 @@ impl Diagnostics {
 
     /// Adds the diagnostics of another collection.
     pub(crate) fn absorb(&mut self, other: Diagnostics) {
+        self.of_demo.extend(other.of_demo);
         for (finding, source) in other.kept {
             self.add(finding, source.as_slice());
         }

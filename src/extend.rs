@@ -39,8 +39,8 @@ pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;
     pub use ncfix_metrology::diagnose::cause::{
-        Candidate, Cause, Correctable, EffectKind, Propose, Term, Values, Weight, axes, column, linear, own, range,
-        times,
+        Candidate, Cause, CauseId, Correctable, EffectKind, Propose, Term, Values, Weight, axes, column, linear, own,
+        range, times,
     };
     pub use ncfix_metrology::diagnose::extend::Change;
     pub use ncfix_metrology::diagnose::row::SceneRow;
@@ -82,7 +82,7 @@ pub mod table {
 
 /// Protocols of links.
 pub mod link {
-    pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, LineRewriter, Profile, Protocol, Wire};
+    pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, LineRewriter, LossKind, Profile, Protocol, Wire};
 }
 
 /// Sources of live readings.

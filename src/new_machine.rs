@@ -49,7 +49,7 @@ pub(crate) fn describe(
     let mut request = request.clone();
     let mut read = Vec::new();
     for path in from {
-        let source = files::read_written(path, FileId(0), "data of the control, --from")?;
+        let source = files::read_written(path, FileId(0), files::option("data of the control, --from"))?;
         let format = request.facts.read(source.name(), source.bytes()).map_err(Error::usage)?;
         read.push(format!("  {}: {format}\n", source.name()));
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::machine::Machine;
 use crate::square::FoundSquareness;
 use crate::stated_zero::StatedZero;
+use ncfix_machine::describe::template;
 
 /// After a correction without a review: the comparison would take several times as long as the correction.
 const NOT_COMPARED: &str = "verdict      none yet: the output was not compared with the program; do it now:\n";
@@ -45,8 +46,8 @@ fn beside(path: &Path, addition: &str) -> PathBuf {
 }
 
 /// After `ncfix machine new`: the files of instruments; for a router, whose owner has a ruler, two diagonals.
-pub(crate) fn after_new_machine(machine: &Path, template: &str) -> String {
-    if template.contains("router") {
+pub(crate) fn after_new_machine(machine: &Path, like: &str) -> String {
+    if template(like).is_ok_and(|template| template.is_router) {
         // Both sides and the programmed ones give the scales too; a ruler is read to half a millimeter.
         let line = "square --machine {} --d1 D1 --d2 D2 --sides A,B --nominal A,B --read-to 0.5 -o {}";
         return row(&words(line, &[machine, &beside(machine, "square")]));

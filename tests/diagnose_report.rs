@@ -2,7 +2,8 @@
 //! truth and against arithmetic; sentences and shapes of effects without a name.
 
 use ncfix_base::units::{Unit, UnitKey};
-use ncfix_metrology::diagnose::{Causes, ExplanationSummary, Gate};
+use ncfix_metrology::diagnose::cause::EffectKind;
+use ncfix_metrology::diagnose::{CauseId, Causes, ExplanationSummary, Gate};
 use ncfix_metrology::results::compared::Circle;
 use ncfix_metrology::results::diagnosis::{CauseReport, DiagnosisResult, RejectedReport, ShapePlace};
 use ncfix_metrology::results::readings::{self, DiagnosisReading, DriverReadings, Set};
@@ -404,14 +405,13 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
 /// Without a certain cause, the first line names the test that the most probable explanation failed.
 #[test]
 fn an_explanation_that_is_not_accepted_names_the_failed_test() {
-    let first = |rejected: Vec<RejectedReport>, terms: &[&str]| {
+    let first = |rejected: Vec<RejectedReport>, terms: &[CauseId]| {
         let mut found = DiagnosisResult::default();
         found.readings = 90;
         found.unit = UnitKey::Um;
         found.unexplained.structure = true;
         found.unexplained.rms_um = 1.5;
-        let terms = terms.iter().map(|one| (*one).to_owned()).collect();
-        found.explanations = vec![ExplanationSummary { terms, probability: 0.999 }];
+        found.explanations = vec![ExplanationSummary { terms: terms.to_vec(), probability: 0.999 }];
         found.rejected = rejected;
         DiagnosisReport { found, ..DiagnosisReport::default() }.headline()
     };
@@ -421,11 +421,13 @@ fn an_explanation_that_is_not_accepted_names_the_failed_test() {
         why: Gate::Unseen,
         ..RejectedReport::default()
     };
-    let alone = first(vec![drift.clone()], &["drift Y"]);
+    let of_drift = CauseId::Effect(EffectKind::Drift, "Y".to_owned());
+    let of_location = CauseId::Effect(EffectKind::Location, "EC0X".to_owned());
+    let alone = first(vec![drift.clone()], &[of_drift.clone()]);
     assert!(alone.contains("drift Y (probability > 99 %) failed the test on left-out readings"), "{alone}");
-    let two = first(vec![drift], &["location EC0X", "drift Y"]);
+    let two = first(vec![drift], &[of_location, of_drift.clone()]);
     assert!(two.contains("drift Y failed the test on left-out readings"), "{two}");
-    let unknown = first(Vec::new(), &["drift Y"]);
+    let unknown = first(Vec::new(), &[of_drift.clone()]);
     assert!(unknown.contains("the search did not confirm"), "{unknown}");
     assert!([alone, two, unknown].iter().all(|text| !text.contains("although")));
 }

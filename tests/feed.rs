@@ -1,7 +1,7 @@
 //! Whole transfers over a simulated cable to simulated controls, with faults by script: what is carried out is what was planned.
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
+use ncfix_dnc::feed::{Ended, Event, LossKind, PROFILES, PROTOCOLS, Profile, Sender};
 
 use super::controls::{self, Blockwise, Cable, Control, Faults, Grbl, Marlin, Notes, Planned, Reader, Rsh};
 use super::plant::random::Random;
@@ -120,7 +120,7 @@ fn marlin_makes_good_what_gets_lost_and_is_left_when_it_says_what_nobody_knows()
         |_, ended, seed| {
             let is_expected = match ended {
                 Ended::Done => true,
-                Ended::Lost(why) => {
+                Ended::Lost(_, why) => {
                     ["reset", "the link is gone", "lost count", "more lines than were sent", "an unknown text, 'o*'"]
                         .iter()
                         .any(|part| why.contains(part))
@@ -175,7 +175,8 @@ fn a_line_that_was_accepted_and_not_executed_is_found_at_the_end() {
             (control.tells_inches, control.tells_work) = (tells_inches, tells_work);
             let (ended, confirmed) = sent(name, MOVES, control, faults);
             if is_found {
-                let Ended::Lost(why) = &ended else { panic!("{name} {ignored:?}: {ended:?}") };
+                let Ended::Lost(kind, why) = &ended else { panic!("{name} {ignored:?}: {ended:?}") };
+                assert_eq!(*kind, LossKind::AtAnotherPosition, "{name} {ignored:?}: {why}");
                 assert!(why.contains("at another position"), "{why}");
             } else {
                 // X10 of the fourth line is hidden by the last X4, which is absolute.
@@ -191,7 +192,8 @@ fn a_line_that_was_accepted_and_not_executed_is_found_at_the_end() {
         let lines =
             ["G21", "G0X1Y1", "G1Z-3F300", "G1X10", "G1Y5", "G91", "G1X-2", "G1X-2", "G1Y-7", "G90", "G1X4", "G0Z30"];
         let (ended, confirmed) = sent("marlin", &lines, control, faults);
-        let is_lost = matches!(&ended, Ended::Lost(why) if why.contains("at another position"));
+        let is_lost =
+            matches!(&ended, Ended::Lost(LossKind::AtAnotherPosition, why) if why.contains("at another position"));
         assert_eq!(is_lost, is_found, "{ignored:?}: {ended:?}");
         assert_eq!(confirmed.as_deref(), (!is_found).then_some("XYZ"), "{ignored:?}: {ended:?}");
     }
@@ -205,7 +207,8 @@ fn a_line_that_was_not_executed_is_found_at_the_next_stop() {
         let faults = Faults { most_bytes: 40, latency_s: 0.002, ignored, ..Faults::default() };
         let control = Grbl::new(&faults, 0.01).that_tells_its_place([5.0, 6.0, 7.0]);
         let (ended, _) = sent("grbl", &lines, control, faults);
-        let is_lost = matches!(&ended, Ended::Lost(why) if why.contains("X at 1.000 mm") && why.contains("10.000 mm"));
+        let is_lost =
+            matches!(&ended, Ended::Lost(_, why) if why.contains("X at 1.000 mm") && why.contains("10.000 mm"));
         assert_eq!((is_lost, ended == Ended::Done), (is_found, !is_found), "{ended:?}");
     }
 }
@@ -229,7 +232,7 @@ fn grbl_in_an_alarm_gets_no_line() {
     let mut planned = Planned::new(5, 0.01);
     let mut cable = Cable::new(Grbl::new(&faults, 0.01).in_alarm(), faults, 1);
     let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
-    assert!(matches!(&ended, Ended::Lost(why) if why.contains("alarm")), "{ended:?}");
+    assert!(matches!(&ended, Ended::Lost(_, why) if why.contains("alarm")), "{ended:?}");
     assert!(notes.frozen.is_empty());
 }
 
@@ -244,7 +247,7 @@ fn grbl_that_is_not_idle_gets_no_line() {
         let mut cable = Cable::new(Grbl::new(&faults, 0.01).that_says(state), faults, 1);
         let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
         let shown = format!("not idle ({state})");
-        assert!(matches!(&ended, Ended::Lost(why) if why.contains(&shown)), "{state}: {ended:?}");
+        assert!(matches!(&ended, Ended::Lost(_, why) if why.contains(&shown)), "{state}: {ended:?}");
         assert!(notes.frozen.is_empty() && cable.control.executed().is_empty(), "{state}");
     }
 }
@@ -339,7 +342,7 @@ fn answers_to_an_earlier_job_are_none_to_this_one() {
             let mut cable = Cable::new(control, faults.clone(), 1);
             let mut ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
             // Where it is still busy with that job it gets no line; when it has come to rest it does.
-            if let Ended::Lost(why) = &ended {
+            if let Ended::Lost(_, why) = &ended {
                 assert!(why.contains("not idle (Run") && notes.frozen.is_empty(), "{busy_s} {is_old}: {why}");
                 assert_eq!(cable.control.executed(), earlier, "{busy_s} {is_old}");
                 notes = Notes::default();
@@ -363,7 +366,7 @@ fn an_answer_that_got_lost_may_have_been_a_refusal() {
     let mut planned = Planned::new(30, 0.01);
     let mut cable = Cable::new(Grbl::new(&faults, 0.01), faults, 1);
     let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
-    assert!(matches!(&ended, Ended::Lost(why) if why.contains("an answer was lost")), "{ended:?}");
+    assert!(matches!(&ended, Ended::Lost(_, why) if why.contains("an answer was lost")), "{ended:?}");
     assert!(!notes.events.contains(&Event::Acknowledged(30)));
 }
 
@@ -411,13 +414,13 @@ fn readers(name: &str, reserve: usize, seeds: std::ops::Range<u64>) -> usize {
         // It never goes on blind: where it did not end well it was said that nothing moves, that the control was reset or that the cable is drawn.
         let is_told = match &ended {
             Ended::Done => true,
-            Ended::Lost(why) if why.contains("as requested") => progress.stalls >= 3,
+            Ended::Lost(_, why) if why.contains("as requested") => progress.stalls >= 3,
             // The first XON got lost, and nothing was sent.
             Ended::Stopped => left == 0 && progress.stalls >= 3,
-            Ended::Lost(why) if why.contains("has no meaning on this link") => is_garbled,
+            Ended::Lost(_, why) if why.contains("has no meaning on this link") => is_garbled,
             // An XOFF got lost, and nothing went over.
-            Ended::Lost(why) if why.contains("although it receives them") => is_lost || is_garbled,
-            Ended::Lost(why) => is_cut && (why.contains("reset (SYN)") || why.contains("the link is gone")),
+            Ended::Lost(_, why) if why.contains("although it receives them") => is_lost || is_garbled,
+            Ended::Lost(_, why) => is_cut && (why.contains("reset (SYN)") || why.contains("the link is gone")),
             _ => false,
         };
         assert!(is_told, "seed {seed}: {ended:?}");
@@ -447,7 +450,7 @@ fn an_xon_that_got_lost_is_said_and_nothing_goes_on() {
     let ended = controls::run_with_patience(&mut sender, &mut cable, &mut planned, 3);
     let stalls = sender.progress().stalls;
     drop(sender);
-    assert!(matches!(&ended, Ended::Lost(why) if why.contains("as requested")), "{ended:?}");
+    assert!(matches!(&ended, Ended::Lost(_, why) if why.contains("as requested")), "{ended:?}");
     assert_eq!((stalls, cable.control.asked.contains(&3)), (3, true));
     // All that came whole was carried out.
     let executed = cable.control.executed();
@@ -489,7 +492,7 @@ fn linuxcnc_carries_out_one_line_after_the_other() {
                 assert!(said.contains("positive limit"), "seed {seed}: {said}");
                 assert_eq!(acknowledged as u64 + 1, *number, "seed {seed}");
             }
-            Ended::Lost(why) => {
+            Ended::Lost(_, why) => {
                 let is_expected = why.contains("the link is gone") && faults.unplugged_s.is_some()
                     || why.contains("was switched off") && faults.reset_s.is_some()
                     || why.contains("machine is off") && faults.reset_s.is_some()
@@ -519,7 +522,7 @@ fn linuxcnc_that_is_not_ready_gets_no_line() {
         change(&mut control);
         let mut cable = Cable::new(control, faults, 1);
         let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
-        assert!(matches!(&ended, Ended::Lost(why) if why.contains(says)), "{ended:?}");
+        assert!(matches!(&ended, Ended::Lost(_, why) if why.contains(says)), "{ended:?}");
         assert!(notes.frozen.is_empty());
     }
 }
@@ -538,9 +541,12 @@ fn linuxcnc_that_another_client_takes_over_gets_no_further_line() {
         assert!(planned.lines.starts_with(executed) && executed.len() < 40, "{tenth}: {ended:?}");
         let says =
             ["took over the control", "second password", "neither set_wait nor wait_mode", "does not switch to MDI"];
-        assert!(matches!(&ended, Ended::Lost(why) if says.iter().any(|part| why.contains(part))), "{tenth}: {ended:?}");
         assert!(
-            executed.is_empty() || matches!(&ended, Ended::Lost(why) if why.contains(says[0])),
+            matches!(&ended, Ended::Lost(_, why) if says.iter().any(|part| why.contains(part))),
+            "{tenth}: {ended:?}"
+        );
+        assert!(
+            executed.is_empty() || matches!(&ended, Ended::Lost(_, why) if why.contains(says[0])),
             "{tenth}: {ended:?}"
         );
     }

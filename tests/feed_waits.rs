@@ -62,7 +62,7 @@ fn a_spindle_that_runs_up_is_no_lost_answer() {
 fn lines_of_a_lost_job_do_not_move_the_tool_by_themselves() {
     let (ended, executed) = sent("grbl", PLUNGE, running_up(40.0).that_tells_no_sizes(), 0.01);
     assert!(
-        matches!(&ended, Ended::Lost(why) if why.contains("an answer was lost") && why.contains("feed hold (!)")),
+        matches!(&ended, Ended::Lost(_, why) if why.contains("an answer was lost") && why.contains("feed hold (!)")),
         "{ended:?}"
     );
     assert!(executed.iter().all(|line| !line.contains('Z')), "{executed:?}");

@@ -72,7 +72,7 @@ impl ErrorSource for Beams {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Beam {
     entry: usize,
     axis: String,
@@ -100,7 +100,7 @@ impl Effect for Beam {
 }
 
 /// 16 f u² (1 − u)² at the share u of the span.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Sag {
     span_mm: [f64; 2],
     mid_mm: f64,

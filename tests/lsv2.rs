@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{Ended, Event, Halt, PROFILES, Patience, Profile, Sender};
+use ncfix_dnc::feed::{Ended, Event, Halt, LossKind, PROFILES, Patience, Profile, Sender};
 
 use super::controls::{self, Cable, Control as _, Faults, Lsv2, Notes, Odd, Planned, Wired};
 use super::support::{Run, Shop, machine};
@@ -72,7 +72,7 @@ impl Job {
 
     fn says(&self, part: &str) -> &Job {
         let said = match &self.ended {
-            Ended::Lost(why) | Ended::Fault(why) => why.clone(),
+            Ended::Lost(_, why) | Ended::Fault(why) => why.clone(),
             other => format!("{other:?}"),
         };
         assert!(said.contains(part), "'{said}' does not say '{part}'");
@@ -294,7 +294,7 @@ fn whatever_the_control_answers_the_job_ends_with_one_reason() {
                     .notes
                     .events
                     .iter()
-                    .filter_map(|event| if let Event::Lost(why) = event { Some(why) } else { None })
+                    .filter_map(|event| if let Event::Lost(_, why) = event { Some(why) } else { None })
                     .collect();
                 match &job.ended {
                     Ended::Done => {
@@ -302,7 +302,7 @@ fn whatever_the_control_answers_the_job_ends_with_one_reason() {
                         assert_eq!(job.control.executed(), job.planned, "{place}");
                         done += 1;
                     }
-                    Ended::Lost(why) => {
+                    Ended::Lost(_, why) => {
                         assert_eq!(reasons, [why], "{place}");
                         // If no person can have started it, a file that stays is named.
                         let stays = job.control.files.contains_key(PATH);
@@ -374,7 +374,7 @@ fn a_cut_connection_says_what_the_control_has_of_the_file() {
         let mut cable = Cable::new(Lsv2::over_network(0.02), faults, 1);
         let mut sender = Sender::new((own.protocol.create)(&own).unwrap(), own.window.system_bytes, &mut notes);
         let ended = controls::run(&mut sender, &mut cable, &mut planned);
-        let Ended::Lost(why) = &ended else { panic!("{hundredth}: {ended:?}") };
+        let Ended::Lost(LossKind::LinkGone, why) = &ended else { panic!("{hundredth}: {ended:?}") };
         let says =
             ["has nothing of this program", "an incomplete file TNC:\\NCFIX.PM may be", "the control has the program"];
         let place = says.iter().position(|part| why.contains(part)).unwrap_or_else(|| panic!("{hundredth}: {why}"));

@@ -89,7 +89,7 @@ impl Job {
                     assert!(number <= self.sent && !said.is_empty(), "{number} of {}", self.sent);
                     self.is_lost = true;
                 }
-                Event::Lost(why) => {
+                Event::Lost(_, why) => {
                     assert!(!why.is_empty());
                     self.is_lost = true;
                 }

@@ -36,7 +36,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::NonEmptyStringValueParser;
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::verbosity::Verbosity;
@@ -109,8 +109,8 @@ fn explained(error: clap::Error, first: &str) -> clap::Error {
     let is_word = first.starts_with(char::is_alphanumeric) && !first.contains(['.', '/', '\\']);
     let is_unknown = is_word && definition().find_subcommand(first).is_none() && !PathBuf::from(first).exists();
     let is_alone = error.kind() == ErrorKind::MissingRequiredArgument && is_unknown;
-    let is_conflict = error.kind() == ErrorKind::ArgumentConflict && error.to_string().contains("the subcommand");
-    if !is_alone && !is_conflict {
+    let has_command = error.get(ContextKind::InvalidSubcommand).is_some();
+    if !is_alone && !(has_command && error.kind() == ErrorKind::ArgumentConflict) {
         return error;
     }
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();

@@ -1,7 +1,7 @@
 //! Input of commands; `-` is standard input.
 
 use super::stop::Stop;
-pub(super) use crate::disk::files::{is_standard_stream, read, read_written};
+pub(super) use crate::disk::files::{is_standard_stream, option, read, read_written};
 
 /// Refuses JSON and a machine file that would both go to standard output.
 ///

@@ -8,7 +8,7 @@ use ncfix_base::source::Source;
 use ncfix_base::units::{MM_PER_INCH, UnitKey, um_from_mm};
 use ncfix_path::review::words::{LineWord, block_number, decimals, words};
 use ncfix_path::review::{ReviewRow, moves};
-use ncfix_report::review::{Changed, ChangedMove, Look};
+use ncfix_report::review::{Changed, ChangedMove, TerminalStyle};
 
 /// Maximum number of lines above a line in which its modal words are searched.
 const ABOVE: u32 = 200;
@@ -111,11 +111,11 @@ impl<'a> Listing<'a> {
     ///
     /// # Errors
     /// The errors of `write`.
-    pub(crate) fn draw<E>(&self, look: &Look, mut write: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
+    pub(crate) fn draw<E>(&self, style: &TerminalStyle, mut write: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
         if let Some(count) = self.wanted.rows {
             let (own, more) = self.top(count);
             for own in own {
-                write(&self.shown(own, 0).line(look))?;
+                write(&self.shown(own, 0).line(style))?;
             }
             if more > 0 {
                 write(&format!("and {more} more\n"))?;
@@ -126,7 +126,7 @@ impl<'a> Listing<'a> {
         let mut last = Repeated::default();
         for own in moves(self.rows) {
             if self.is_wanted(own) {
-                let line = self.shown(own, std::mem::take(&mut folded)).line(look);
+                let line = self.shown(own, std::mem::take(&mut folded)).line(style);
                 if line == last.line {
                     last.more += 1;
                 } else {

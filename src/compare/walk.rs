@@ -7,7 +7,7 @@ use std::panic::resume_unwind;
 use super::at_feed::Driven;
 use super::header::Header;
 use super::{differences, stamp};
-use crate::channel::{Filler, Taker, channel};
+use crate::channel::{BatchReceiver, BatchSender, channel};
 use crate::correction::servo;
 use crate::coverage;
 use crate::datum;
@@ -155,7 +155,7 @@ impl Pair<'_> {
 type Item = Result<Element, (Diagnostic, Vec<Source>)>;
 
 /// Executes a program to its end, or until the receiver stops, and returns its files.
-fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
+fn send(mut running: Running<'_>, to: BatchSender<Item>) -> Vec<Source> {
     let items = std::iter::from_fn(|| {
         let item = running.next()?;
         Some(item.map_err(|finding| (finding, running.sources().to_vec())))
@@ -178,7 +178,7 @@ struct How {
 
 /// Compares two running programs; `files` ends the corrected one and returns its files.
 fn walk(
-    (mut original, corrected): (Running<'_>, Taker<Item>),
+    (mut original, corrected): (Running<'_>, BatchReceiver<Item>),
     how: &How,
     chosen: &Machine,
     findings: &mut Diagnostics,
@@ -295,24 +295,26 @@ fn walk(
             })
             .filter(|_| !findings.has_errors())
         }
-        Err(mut partings) => {
+        Err(mut divergences) => {
             // If a program could not be executed to its end, differences at the end are expected, but earlier ones
             // are reported; a missing line leads to an impossible arc.
             if findings.has_errors() {
-                let line =
-                    partings.first().and_then(|parting| parting.corrected).map_or(0, |origin| origin.line as usize);
+                let line = divergences
+                    .first()
+                    .and_then(|divergence| divergence.corrected)
+                    .map_or(0, |origin| origin.line as usize);
                 let is_later = |(code, place): (Code, Option<usize>)| {
                     place.is_some_and(|place| place >= line || ARCS.contains(&code))
                 };
                 if line == 0 || !findings.errors_in(&sources[1]).all(is_later) {
                     return None;
                 }
-                partings.truncate(1);
+                divergences.truncate(1);
             }
             findings.extend(told, &sources[1]);
-            for parting in partings {
+            for divergence in divergences {
                 let name = |origin: &Origin| differences::line(origin, source(origin.file).as_ref());
-                let mut diagnostic = parting.diagnostic(name);
+                let mut diagnostic = divergence.diagnostic(name);
                 let source = diagnostic.place.and_then(|place| source(place.file));
                 if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
                     place.file = source.id();

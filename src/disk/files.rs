@@ -25,35 +25,63 @@ pub(crate) fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Reads the bytes of a file with its displayed name. `role` describes the file and the way it was found in a note;
-/// without it, for a file that is read again, there is no note.
+/// Role of a file, and the way in which it was found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum FileRole<'a> {
+    /// A role, for a note; empty for a file that is read again, without a note.
+    Plain(&'a str),
+    /// A role with the option or the environment variable that names the file. A message names it too.
+    Option(&'a str),
+    /// The description of a measurement. No option names it, so a message explains it.
+    Description,
+}
+
+/// The role of a file that an option or an environment variable names.
+pub(crate) const fn option(role: &str) -> FileRole<'_> {
+    FileRole::Option(role)
+}
+
+impl<'a> From<&'a str> for FileRole<'a> {
+    fn from(role: &'a str) -> FileRole<'a> {
+        FileRole::Plain(role)
+    }
+}
+
+impl<'a> FileRole<'a> {
+    fn text(self) -> &'a str {
+        match self {
+            FileRole::Plain(role) | FileRole::Option(role) => role,
+            FileRole::Description => DESCRIPTION,
+        }
+    }
+}
+
+/// Text of [`FileRole::Description`].
+const DESCRIPTION: &str = "the description of the readings in the .csv: its instrument and set-up. If the .csv is the export of an instrument, `ncfix import` makes both files from it. Else a text file with two lines, [measurement] and kind = \"displacement\", is enough to begin, see docs/reference/data-files.md";
+
+/// Reads the bytes of a file with its displayed name, and notes its role.
 ///
 /// # Errors
 /// If the file cannot be read or is too large.
-pub(crate) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Error> {
-    read_up_to(path, id, role, MAX_BYTES)
+pub(crate) fn read<'a>(path: &Path, id: FileId, role: impl Into<FileRole<'a>>) -> Result<Source, Error> {
+    read_up_to(path, id, role.into(), MAX_BYTES)
 }
-
-/// Role of the description of a measurement; a message that it cannot be read states it.
-pub(crate) const DESCRIPTION: &str = "the description of the readings in the .csv: its instrument and set-up. If the .csv is the export of an instrument, `ncfix import` makes both files from it. Else a text file with two lines, [measurement] and kind = \"displacement\", is enough to begin, see docs/reference/data-files.md";
 
 /// Reads a file that people write, which is never large.
 ///
 /// # Errors
 /// If the file cannot be read or is too large.
-pub(crate) fn read_written(path: &Path, id: FileId, role: &str) -> Result<Source, Error> {
-    read_up_to(path, id, role, MAX_WRITTEN_BYTES)
+pub(crate) fn read_written<'a>(path: &Path, id: FileId, role: impl Into<FileRole<'a>>) -> Result<Source, Error> {
+    read_up_to(path, id, role.into(), MAX_WRITTEN_BYTES)
 }
 
-fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source, Error> {
-    // An option that named the file is named in turn. No option names a description, so its role is the help.
-    let is_option = role.contains("--") || role.contains("NCFIX_");
+fn read_up_to(path: &Path, id: FileId, role: FileRole<'_>, most: usize) -> Result<Source, Error> {
     let fault = |error: io::Error| {
         let sentence = Error::file("read", path, &error).message().to_owned();
         Error::usage(match role {
-            DESCRIPTION => format!("{sentence}\n  = help: this file is {role}"),
-            _ if is_option => format!("{sentence} ({role})"),
-            _ => sentence,
+            FileRole::Plain(_) => sentence,
+            FileRole::Option(role) => format!("{sentence} ({role})"),
+            FileRole::Description => format!("{sentence}\n  = help: this file is {DESCRIPTION}"),
         })
     };
     let (name, bytes) = if is_standard_stream(path) {
@@ -63,8 +91,8 @@ fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source
     } else {
         (path.display().to_string(), bytes_of(path, most).map_err(fault)?)
     };
-    if !role.is_empty() {
-        log::info!("read {name}: {role}");
+    if !role.text().is_empty() {
+        log::info!("read {name}: {}", role.text());
     }
     Source::new(id, &name, bytes).map_err(|_| fault(too_large(MAX_BYTES)))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::diagnostics::Diagnostics;
-use crate::disk::files::{self, is_standard_stream};
+use crate::disk::files::{self, FileRole, is_standard_stream};
 use crate::disk::hash::short_hash;
 use crate::disk::{archive, table_files};
 use crate::error::Error;
@@ -127,7 +127,12 @@ fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
 /// If the file cannot be read.
 pub(crate) fn source_of(path: Option<&Path>, found: FoundFile, findings: &mut Diagnostics) -> Result<Source, Error> {
     match path {
-        Some(path) => files::read_written(path, FileId(0), &format!("machine file, {}", found.words())),
+        Some(path) => {
+            let role = format!("machine file, {}", found.words());
+            let is_option = matches!(found, FoundFile::Option | FoundFile::Environment);
+            let role = if is_option { files::option(&role) } else { FileRole::Plain(&role) };
+            files::read_written(path, FileId(0), role)
+        }
         None => {
             log::info!("machine: the demo machine, {}", found.words());
             findings.add(
@@ -337,8 +342,9 @@ pub(crate) struct Member {
 /// If it cannot be read.
 pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
     // An archive contains all data of the control and may be large.
-    let read = if path.is_file() && archive::is_archive(path) { files::read } else { files::read_written };
-    let setup = read(path, FileId(0), "set-up file, --setup")?;
+    let is_large = path.is_file() && archive::is_archive(path);
+    let role = files::option("set-up file, --setup");
+    let setup = if is_large { files::read(path, FileId(0), role) } else { files::read_written(path, FileId(0), role) }?;
     let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
     let member = |source: Source| {
         let is_saved_data = source.name() != setup.name() || is_saved_data(path, source.bytes());

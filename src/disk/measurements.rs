@@ -145,8 +145,10 @@ fn read_for(
 ) -> Result<Option<Measurement>, Error> {
     let description = description_of(table)?;
     let [own, beside] = measurement::ids(number);
-    let sources =
-        [files::read(table, own, "measurement")?, files::read_written(&description, beside, files::DESCRIPTION)?];
+    let sources = [
+        files::read(table, own, "measurement")?,
+        files::read_written(&description, beside, files::FileRole::Description)?,
+    ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let mut all = sources.to_vec();
     let control = |described: &Described| -> Result<Option<Source>, Error> {

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use super::files;
 use crate::error::Error;
-use ncfix_report::review::Look;
+use ncfix_report::review::TerminalStyle;
 
 /// Columns if the terminal does not report its width.
 const WIDTH: usize = 100;
@@ -16,7 +16,7 @@ const LEAST: usize = 80;
 pub(crate) struct Page {
     pager: Option<Child>,
     out: Box<dyn Write>,
-    look: Look,
+    style: TerminalStyle,
     is_over: bool,
 }
 
@@ -28,18 +28,18 @@ impl Page {
         let columns = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse::<usize>().ok());
         let width = columns.unwrap_or(WIDTH).clamp(LEAST, 1000);
         let choice = anstream::AutoStream::choice(&std::io::stdout());
-        let look = Look { width, has_color: choice != anstream::ColorChoice::Never };
+        let style = TerminalStyle { width, has_color: choice != anstream::ColorChoice::Never };
         let mut pager = if is_terminal && !plain { pager() } else { None };
         let out: Box<dyn Write> = match pager.as_mut().and_then(|child| child.stdin.take()) {
             Some(stdin) => Box::new(std::io::BufWriter::new(stdin)),
             None => Box::new(std::io::BufWriter::new(std::io::stdout())),
         };
-        Page { pager, out, look, is_over: false }
+        Page { pager, out, style, is_over: false }
     }
 
     /// Appearance of rows.
-    pub(crate) fn look(&self) -> Look {
-        self.look
+    pub(crate) fn style(&self) -> TerminalStyle {
+        self.style
     }
 
     /// Appends text. A pager that is closed early is not an error.

@@ -118,7 +118,7 @@ pub(crate) fn choose_model(
     let path = Path::new(model);
     let (mut parameters, mut lines) = (Vec::new(), Vec::new());
     let source = if path.is_file() {
-        files::read_written(path, FileId(0), "parameters of the model, --model")?
+        files::read_written(path, FileId(0), files::option("parameters of the model, --model"))?
     } else {
         for part in model.split(',').map(str::trim) {
             if let Some(own) = of_preset(part) {

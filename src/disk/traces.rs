@@ -30,8 +30,10 @@ pub(crate) fn read(
 ) -> Result<Option<Read>, Error> {
     let description = description_of(table)?;
     let id = |offset: usize| FileId(u16::try_from(3 * number + offset).unwrap_or(u16::MAX));
-    let mut sources =
-        vec![files::read(table, id(1), "trace")?, files::read_written(&description, id(2), files::DESCRIPTION)?];
+    let mut sources = vec![
+        files::read(table, id(1), "trace")?,
+        files::read_written(&description, id(2), files::FileRole::Description)?,
+    ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let Some((described, found)) = trace::describe(&name, &sources[1]) else {
         let place = Place { file: sources[1].id(), span: Span::new(0, 0) };

@@ -18,7 +18,7 @@ use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{ELSEWHERE, Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
+use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, LossKind, Port, Sender, TransferProgress};
 use ncfix_dnc::sense::{Panel, SensorOutages, clock};
 use ncfix_report::feed::{Before, ExecutionEvidence, FeedEvent, FeedOutcome, Status};
 
@@ -285,8 +285,8 @@ impl Drive<'_> {
             Ended::Done => FeedEnd::Done,
             Ended::Stopped => self.halted.as_ref().map_or(FeedEnd::Stopped, |(_, code, ..)| *code),
             Ended::Refused(..) => FeedEnd::Control,
-            Ended::Lost(why) if why.starts_with(ncfix_dnc::feed::GONE) => FeedEnd::Link,
-            Ended::Lost(_) | Ended::Held(_) => FeedEnd::Control,
+            Ended::Lost(LossKind::LinkGone, _) => FeedEnd::Link,
+            Ended::Lost(..) | Ended::Held(_) => FeedEnd::Control,
             Ended::Fault(_) => FeedEnd::Fault,
         };
         (ended, code)
@@ -347,7 +347,7 @@ impl Drive<'_> {
     }
 
     /// The message for the lines of a job that are lost.
-    fn lost(&self, why: &str, progress: &TransferProgress) -> String {
+    fn lost(&self, kind: LossKind, why: &str, progress: &TransferProgress) -> String {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
             return format!("{why}; no line was sent");
@@ -359,7 +359,7 @@ impl Drive<'_> {
         }
         let open = progress.sent.saturating_sub(taken);
         let mut what = format!("the transfer has ended: {why}");
-        if open == 0 && why.starts_with(ELSEWHERE) {
+        if open == 0 && kind == LossKind::AtAnotherPosition {
             // It stands still at the end of what it has answered.
             return format!("{what}; the control has answered every line that was sent");
         }
@@ -416,7 +416,7 @@ impl Drive<'_> {
                 (Some(FeedOutcome::Stopped), Some(format!("{why}; {what}{rest}")))
             }
             Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
-            Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),
+            Some(Ended::Lost(kind, why)) => (Some(FeedOutcome::Lost), Some(self.lost(*kind, why, progress))),
             Some(Ended::Refused(number, said)) => {
                 (Some(FeedOutcome::Refused), Some(format!("the control refused line {number}: {said}")))
             }
@@ -485,7 +485,7 @@ fn lines(count: u64) -> String {
 /// Evidence that the control has executed the lines of a job that has ended.
 fn evidence(ended: Option<&Ended>, progress: &TransferProgress) -> Option<ExecutionEvidence> {
     match ended? {
-        Ended::Lost(why) if why.starts_with(ELSEWHERE) => Some(ExecutionEvidence::Differs),
+        Ended::Lost(LossKind::AtAnotherPosition, _) => Some(ExecutionEvidence::Differs),
         Ended::Done if progress.in_position.is_some() => Some(ExecutionEvidence::Position),
         Ended::Done if progress.executed.is_some_and(|executed| executed >= progress.sent) => {
             Some(ExecutionEvidence::Reported)

@@ -133,7 +133,7 @@ impl Transfer {
     /// If it cannot be read.
     pub(crate) fn panel(&self, path: Option<&Path>, found: &mut Diagnostics) -> Result<Option<Panel>, Error> {
         let Some(path) = path else { return Ok(None) };
-        let source = files::read_written(path, FileId(0), "sensors, --sensors")?;
+        let source = files::read_written(path, FileId(0), files::option("sensors, --sensors"))?;
         let config = match Config::read(&source) {
             Ok(config) => config,
             Err(faults) => {

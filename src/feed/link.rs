@@ -116,7 +116,7 @@ impl ControlLink {
         let is_shipped = links.iter().any(|shipped| shipped.name.eq_ignore_ascii_case(link));
         let is_file = Path::new(link).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         let source = if !is_shipped && is_file {
-            files::read_written(Path::new(link), FileId(0), "profile of the link, --link")?
+            files::read_written(Path::new(link), FileId(0), files::option("profile of the link, --link"))?
         } else {
             shipped(link, &links)?
         };

@@ -100,7 +100,8 @@ impl<'a> LiveTables<'a> {
     /// The tables for the state as it is now, and their largest change; `None` if the state is the same.
     fn renewed(&mut self, found: &mut Diagnostics) -> Result<Option<(Tables, f64)>, String> {
         for path in &self.choice.files {
-            let source = files::read(path, FileId(0), "state, --state").map_err(|error| error.to_string())?;
+            let source =
+                files::read(path, FileId(0), files::option("state, --state")).map_err(|error| error.to_string())?;
             // The last row of a log that grows may be half written: its last number would be another one.
             if log::is_log(&source) && source.bytes().last().is_some_and(|&byte| byte != b'\n') {
                 return Ok(None);

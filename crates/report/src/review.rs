@@ -168,7 +168,7 @@ const HEAD: usize = 10;
 
 /// Appearance of a page.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct TerminalStyle {
     /// Width of the terminal in columns.
     pub width: usize,
     /// True if changed digits are colored.
@@ -252,7 +252,7 @@ fn signed(value: f64) -> String {
 impl ChangedMove {
     /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
-    pub fn line(&self, look: &Look) -> String {
+    pub fn line(&self, style: &TerminalStyle) -> String {
         let mut out = String::new();
         if self.folded > 0 {
             let _ = writeln!(out, "{:HEAD$}… {} not changed", "", grouped(self.folded));
@@ -270,8 +270,8 @@ impl ChangedMove {
         }
         let mut at = HEAD;
         for word in &self.words {
-            let (cell, width) = word.cell(look);
-            if at > HEAD && at + width > look.width {
+            let (cell, width) = word.cell(style);
+            if at > HEAD && at + width > style.width {
                 out.truncate(out.trim_end().len());
                 let _ = write!(out, "\n{:HEAD$}", "");
                 at = HEAD;
@@ -290,7 +290,7 @@ impl ChangedMove {
 
 impl Changed {
     /// Returns `X     10.000 → 10.0123    (+12.3 µm)`, and its width.
-    fn cell(&self, look: &Look) -> (String, usize) {
+    fn cell(&self, style: &TerminalStyle) -> (String, usize) {
         let blanks = " ".repeat(NUMBER.saturating_sub(self.after.chars().count()));
         let added = significant(self.added);
         let added = if added.contains('.') { added.trim_end_matches('0').trim_end_matches('.') } else { &added };
@@ -299,16 +299,16 @@ impl Changed {
             let (axis, before, unit) = (&self.axis, &self.before, self.unit.sign());
             format!("{axis:<2}{before:>NUMBER$} → {after}{blanks} ({sign}{added} {unit})")
         };
-        (text(&self.colored(look)), text(&self.after).chars().count())
+        (text(&self.colored(style)), text(&self.after).chars().count())
     }
 
     /// Returns the new number with its changed digits in color.
-    fn colored(&self, look: &Look) -> String {
+    fn colored(&self, style: &TerminalStyle) -> String {
         const ON: &str = "\u{1b}[33m";
         const OFF: &str = "\u{1b}[0m";
         let same = self.before.bytes().zip(self.after.bytes()).take_while(|(before, after)| before == after).count();
         match self.after.split_at_checked(same) {
-            Some((kept, other)) if look.has_color && !other.is_empty() => format!("{kept}{ON}{other}{OFF}"),
+            Some((kept, other)) if style.has_color && !other.is_empty() => format!("{kept}{ON}{other}{OFF}"),
             _ => self.after.clone(),
         }
     }
@@ -396,7 +396,7 @@ impl TextReview {
 impl TextLine {
     /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
-    pub fn line(&self, look: &Look) -> String {
+    pub fn line(&self, style: &TerminalStyle) -> String {
         let name = match self.lines {
             [Some(one), _] => format!("L{one}"),
             [None, other] => format!("new L{}", other.unwrap_or(0)),
@@ -411,7 +411,7 @@ impl TextLine {
             let cell =
                 format!("{:<2}{:>NUMBER$} → {:<NUMBER$} ({:+.4})", word.address, word.before, word.after, word.added);
             let width = cell.chars().count() + 2;
-            if at > HEAD && at + width > look.width {
+            if at > HEAD && at + width > style.width {
                 let _ = write!(out, "\n{:HEAD$}", "");
                 at = HEAD;
             }

@@ -70,7 +70,7 @@ fn calibrate(
     report: &mut CalibrationReport,
 ) -> Result<(), Stop> {
     let target = Target::new(&arguments.output)?;
-    let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
+    let start = input::read_written(&arguments.machine, MACHINE, input::option("machine file, --machine"))?;
     let chosen = machine_choice::read_head(&start, &[], arguments.head.as_deref(), findings)?;
     let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = measurement::tables(&arguments.data, &arguments.hold_out)?;

@@ -71,8 +71,8 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         // The page already has the rows.
         if !arguments.summary && review.changed > 0 && arguments.html.is_none() {
             page.write("\n")?;
-            let look = page.look();
-            listing.draw(&look, |text| page.write(text))?;
+            let style = page.style();
+            listing.draw(&style, |text| page.write(text))?;
         }
         page.close();
     }

@@ -33,7 +33,7 @@ fn of(source: &Source) -> ReviewedProgram<'_> {
 
 /// Reads temperatures, corrections and the fill of the buffer from the journal of a transfer.
 pub(in crate::cli) fn journal(path: &Path) -> Result<JournalTrace, Stop> {
-    let source = input::read(path, FileId(0), "journal, --journal")?;
+    let source = input::read(path, FileId(0), input::option("journal, --journal"))?;
     let text = String::from_utf8_lossy(source.bytes());
     let ThermalHistory { times_s, sensors_c, axes_um, waiting } =
         shown(&text).map_err(|(line, why)| Stop::Usage(format!("{}, line {line}: {why}", path.display())))?;

@@ -22,9 +22,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         page.write(&found.review.summary())?;
         if !arguments.summary && !found.review.same {
             page.write("\n")?;
-            let look = page.look();
+            let style = page.style();
             for row in found.rows() {
-                page.write(&row.line(&look))?;
+                page.write(&row.line(&style))?;
             }
         }
         page.close();

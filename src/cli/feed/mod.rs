@@ -159,7 +159,7 @@ pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Res
 fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Transfer>, Stop> {
     let link = ControlLink::find(&arguments.link, findings)?;
     let sensors_hash = match &arguments.sensors {
-        Some(path) => short_hash([input::read_written(path, FileId(0), "sensors, --sensors")?.bytes()]),
+        Some(path) => short_hash([input::read_written(path, FileId(0), input::option("sensors, --sensors"))?.bytes()]),
         None => String::new(),
     };
     let part = program::of(&arguments.input, &arguments.program)?;

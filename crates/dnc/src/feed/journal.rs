@@ -206,7 +206,7 @@ impl<S: Store> Journal<S> {
         let text = match ended {
             Ended::Done => "done".to_owned(),
             Ended::Stopped => "stopped".to_owned(),
-            Ended::Lost(why) => format!("lost: {why}"),
+            Ended::Lost(_, why) => format!("lost: {why}"),
             Ended::Held(why) => format!("held: {why}"),
             Ended::Fault(why) => format!("fault: {why}"),
             Ended::Refused(number, said) => format!("refused {number}: {said}"),
@@ -266,7 +266,7 @@ impl<S: Store> Record for Journal<S> {
             Event::ZeroOffsets(text) => self.note(now, &format!("O {}", text.replace(['\n', '\r'], " "))),
             Event::InPosition(axes) => self.note(now, &format!("W in position {axes}")),
             Event::Holds(most, said) => self.note(now, &format!("P {most} {}", said.replace(['\n', '\r'], " "))),
-            Event::Refused(..) | Event::Lost(_) => {}
+            Event::Refused(..) | Event::Lost(..) => {}
         }
         Ok(())
     }
@@ -426,6 +426,7 @@ pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feed::dialogue::LossKind;
 
     fn line(number: u64) -> Line {
         let mut line = Line {
@@ -476,7 +477,7 @@ mod tests {
             journal.end(ended, may_have_run, Duration::ZERO).unwrap();
             read(&String::from_utf8(journal.into_store().unwrap()).unwrap()).unwrap().ended
         };
-        let lost = Ended::Lost("no free space".into());
+        let lost = Ended::Lost(LossKind::Other, "no free space".into());
         assert_eq!(ended(&lost, false), Some(JournalEnd::NotStarted("lost: no free space".into())));
         assert_eq!(ended(&lost, true), Some(JournalEnd::BrokenOff("lost: no free space".into())));
         assert_eq!(ended(&Ended::Done, false), Some(JournalEnd::Done));

@@ -27,7 +27,7 @@ mod watch;
 mod wire;
 
 pub use dialogue::{
-    Dialogue, ELSEWHERE, Event, ExpectedZero, Halt, PROTOCOLS, Protocol, Protocols, ZERO_LETTERS, ZeroValues,
+    Dialogue, Event, ExpectedZero, Halt, LossKind, PROTOCOLS, Protocol, Protocols, ZERO_LETTERS, ZeroValues,
 };
 pub use dosing::{Dose, DosingLimits, LineDosing};
 pub use forecast::{Forecast, Forecaster, LinkRate, Stretch};
@@ -35,7 +35,7 @@ pub use journal::{Frozen, HeadKey, Journal, JournalContents, JournalEnd, Store, 
 pub use line::{Line, crc32};
 pub use profile::{Bound, FileOptions, Flow, Framing, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
 pub use rewriter::LineRewriter;
-pub use sender::{Ended, GONE, Port, Record, Sender, Supplied, Supply, TransferProgress};
+pub use sender::{Ended, Port, Record, Sender, Supplied, Supply, TransferProgress};
 pub use shown::{ThermalHistory, shown};
 pub use watch::Patience;
 pub use wire::Wire;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io;
 use std::time::Duration;
 
-use super::dialogue::{Dialogue, Event, Halt};
+use super::dialogue::{Dialogue, Event, Halt, LossKind};
 use super::watch::{Patience, TransferWatch};
 use super::{Line, Wire};
 
@@ -98,8 +98,8 @@ pub enum Ended {
     Done,
     /// A person stopped it; everything sent is acknowledged, or has left.
     Stopped,
-    /// It was aborted for this reason. Lines that were sent and not acknowledged may have been executed, or may still be.
-    Lost(String),
+    /// It was aborted, with the kind of loss and the reason. Lines that were sent and not acknowledged may have been executed, or may still be.
+    Lost(LossKind, String),
     /// A person or a sensor caused the axes to be held, or the lines to be discarded, for this reason. Sent lines may remain in the control.
     Held(String),
     /// The control has refused a line: its number and the answer of the control.
@@ -107,9 +107,6 @@ pub enum Ended {
     /// The next line may not be sent, for this reason. Everything sent before is acknowledged, or has left.
     Fault(String),
 }
-
-/// Beginning of the reason if the link has failed.
-pub const GONE: &str = "the link is gone";
 
 /// Progress of a transfer.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -258,7 +255,7 @@ impl<'a> Sender<'a> {
             self.wire.queue(port.queued().unwrap_or(0));
         }
         if let Err(error) = self.hear(now, port) {
-            self.events.push(Event::Lost(self.gone(&error)));
+            self.events.push(Event::Lost(LossKind::LinkGone, self.gone(&error)));
         }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
@@ -267,12 +264,12 @@ impl<'a> Sender<'a> {
             self.fill(now, supply)?;
             self.record.settle()?;
         }
-        if matches!(self.ended, Some(Ended::Lost(_) | Ended::Refused(..))) {
+        if matches!(self.ended, Some(Ended::Lost(..) | Ended::Refused(..))) {
             self.wire.withdraw();
         }
-        if let Some(Ended::Lost(why)) = &mut self.ended
+        if let Some(Ended::Lost(kind, why)) = &mut self.ended
             && self.progress.sent > 0
-            && !why.starts_with(GONE)
+            && *kind != LossKind::LinkGone
             && let Some(held) = self.dialogue.leave(&mut self.wire)
         {
             let _ = write!(why, "; {held}");
@@ -280,7 +277,7 @@ impl<'a> Sender<'a> {
         if let Err(error) = self.write(port)
             && self.ended.is_none()
         {
-            self.events.push(Event::Lost(self.gone(&error)));
+            self.events.push(Event::Lost(LossKind::LinkGone, self.gone(&error)));
             self.take_events(now, note)?;
         }
         self.record.settle()?;
@@ -314,7 +311,7 @@ impl<'a> Sender<'a> {
             && (is_waiting || !is_open || self.watch.is_held())
             && let Some(why) = self.watch.look(now, is_open, self.is_closed)
         {
-            self.events.push(Event::Lost(why));
+            self.events.push(Event::Lost(LossKind::Other, why));
             self.take_events(now, note)?;
         }
         Ok(())
@@ -359,7 +356,7 @@ impl<'a> Sender<'a> {
                 Event::Repeated(_) => self.progress.repeats += 1,
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
-                Event::Lost(why) => _ = self.ended.get_or_insert(Ended::Lost(why)),
+                Event::Lost(kind, why) => _ = self.ended.get_or_insert(Ended::Lost(kind, why)),
                 Event::Reported(text) => self.progress.control = Some(text),
                 Event::Checked(_) | Event::Paused(_) | Event::Said(_) | Event::ZeroOffsets(_) => {}
             }
@@ -370,7 +367,7 @@ impl<'a> Sender<'a> {
     /// Returns the reason of a link that has failed, with what the control has of a file.
     fn gone(&self, error: &io::Error) -> String {
         let remains = self.dialogue.remains().map_or(String::new(), |remains| format!("; {remains}"));
-        format!("{GONE}: {error}; check the cable, the adapter and interference from drives{remains}")
+        format!("the link is gone: {error}; check the cable, the adapter and interference from drives{remains}")
     }
 
     /// Prevents further lines. Earlier ones run out: a line that has begun to leave is not cut in two.

@@ -1,7 +1,7 @@
 //! Compares machine data that a control has saved with a machine file. The machine file decides how ncfix calculates, so data that differ from it have no
 //! effect: a person must know that.
 
-use super::data::ControlFacts;
+use super::data::{ControlFacts, DataNote, DataNoteKind};
 use super::known::{Known, KnownOrigin};
 use crate::machine::Machine;
 use ncfix_base::geometry::{Axis, ROTARY_AXES, Vector};
@@ -31,7 +31,8 @@ pub fn contradictions(name: &str, bytes: &[u8], machine: &Machine) -> Vec<String
             out.push(format!("{}: programs begin with {}, and the machine file has {own}", origin(line), line.value));
         }
     }
-    out.extend(facts.notes.iter().filter(|note| note.contains("MD20150")).cloned());
+    let is_start = |note: &&DataNote| note.kind == DataNoteKind::UnknownStart;
+    out.extend(facts.notes.iter().filter(is_start).map(ToString::to_string));
     if let Some(shift) = &facts.zero_shift_mm {
         let [x, y, z] = shift.value;
         out.push(format!(

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::data::ControlFacts;
+use super::data::{ControlFacts, DataNote, DataNoteKind};
 use super::known::{Known, KnownOrigin, signed};
 use super::stated::{StatedPivot, StatedSense, StatedTravel, TravelRange};
 use super::template::{Template, TemplateRotary};
@@ -67,7 +67,7 @@ pub struct Description {
     /// Lines of `[control]`: words that are in force before the first block.
     pub control_lines: Vec<Known<String>>,
     /// Data of the files that the machine file does not carry, each with its line.
-    pub notes: Vec<String>,
+    pub notes: Vec<DataNote>,
 }
 
 /// Axis of a description.
@@ -114,8 +114,8 @@ impl DescriptionRequest {
         }
         if !missing.is_empty() {
             // Data that were not used may be the reason.
-            let unused = self.facts.notes.iter().filter(|note| note.contains("not used"));
-            missing.extend(unused.cloned());
+            let unused = self.facts.notes.iter().filter(|note| note.kind == DataNoteKind::Unused);
+            missing.extend(unused.map(ToString::to_string));
             return Err(missing.join("; "));
         }
         let notes = self.facts.notes.clone();

@@ -13,7 +13,7 @@ mod template;
 mod write;
 
 pub use contradiction::contradictions;
-pub use data::{AxisFacts, ControlFacts};
+pub use data::{AxisFacts, ControlFacts, DataNote, DataNoteKind};
 pub use description::{Ask, AxisDescription, Description, DescriptionRequest, Question};
 pub use known::{Known, KnownOrigin};
 pub use setup::{has_same_setup, setup_text, worn_edges};

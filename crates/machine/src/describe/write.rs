@@ -87,7 +87,7 @@ pub fn text(description: &Description) -> String {
     if !description.notes.is_empty() {
         let _ = writeln!(out, "\n# Read in the data of the control, and not in this file:");
         for note in &description.notes {
-            let _ = writeln!(out, "# - {}", note.replace(char::is_control, " "));
+            let _ = writeln!(out, "# - {}", note.text.replace(char::is_control, " "));
         }
     }
     out

@@ -47,7 +47,7 @@ pub(super) fn class(field: &Field<'_, '_>, gains: &[Gain], number: usize, noise:
     // The simplest comes first, because a slightly larger gain with more unknowns is no evidence. Candidates that differ only by rounding stay in the order
     // of the catalog.
     let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
-    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::plausibility_rank);
     rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
     let mut class: Vec<usize> = Vec::new();
     let mut names: Vec<(EffectKind, String)> = Vec::new();

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::cause::{Candidate, EffectKind, Weight, motion};
+use super::cause::{Candidate, CauseId, EffectKind, Weight, motion};
 use super::entrant::{EntrantSource, NamedEntrant, family, group, is_of_rotary, is_slope};
 use super::harm::Harm;
 use super::next::{self, NextMeasurement};
@@ -66,8 +66,8 @@ pub(super) struct Chosen {
     pub(super) probability: f64,
     /// Its share among its twins.
     pub(super) share: f64,
-    /// Names of its alternatives, if a correction of it would increase the error with them.
-    pub(super) harmful: Option<Vec<String>>,
+    /// Its alternatives, if a correction of it would increase the error with them.
+    pub(super) harmful: Option<Vec<CauseId>>,
     /// Probability that the readings show this much of it if it is absent.
     pub(super) chance: f64,
     /// Variance of its amount between the explanations that contain it, mm², rad²; 0 for a term with several columns.
@@ -108,9 +108,18 @@ fn variance(values: impl Iterator<Item = (f64, f64)>) -> f64 {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExplanationSummary {
     /// Its terms: effect and parameter, as `location EC0X`.
-    pub terms: Vec<String>,
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<String>"))]
+    pub terms: Vec<CauseId>,
     /// Its probability among all explanations.
     pub probability: f64,
+}
+
+impl ExplanationSummary {
+    /// Returns the texts of its terms with a separator between them; empty if it is noise alone.
+    #[must_use]
+    pub fn joined(&self, separator: &str) -> String {
+        self.terms.iter().map(ToString::to_string).collect::<Vec<_>>().join(separator)
+    }
 }
 
 /// The outcome.
@@ -291,11 +300,6 @@ impl Field<'_, '_> {
         let Some(first) = found.explanations.first() else { return ContestOutcome::default() };
         let same =
             |number: usize| found.alike.iter().find(|(one, _)| *one == number).map_or(number, |(_, other)| *other);
-        // Named in the same way as the findings and their other explanations.
-        let in_words = |source: &EntrantSource| {
-            let (effect, parameter) = source.key(self);
-            format!("{effect} {parameter}").trim_end().to_owned()
-        };
         // Variants of one cause count together, such as shapes of an unknown cause or lags of a drift.
         let probability = |k: usize| -> f64 {
             let Some(source) = sources.get(k) else { return 0.0 };
@@ -311,10 +315,8 @@ impl Field<'_, '_> {
         let mut explanations: Vec<ExplanationSummary> = Vec::new();
         for one in &found.explanations {
             for (way, share) in twins.ways(&one.set) {
-                let mut terms: Vec<String> =
-                    way.iter().filter_map(|twin| sources.get(twin.entrant)).map(in_words).collect();
-                terms.sort();
-                terms.dedup();
+                let terms = way.iter().filter_map(|twin| sources.get(twin.entrant)).map(|one| one.id(self));
+                let terms = CauseId::in_order(terms.collect());
                 let probability = share * one.probability;
                 match explanations.iter_mut().find(|known| known.terms == terms) {
                     Some(known) => known.probability = (known.probability + probability).min(1.0),
@@ -328,8 +330,8 @@ impl Field<'_, '_> {
         explanations.truncate(MOST_SHOWN);
         let next = next::measurements(self, found, sources, &twins);
         let harm = Harm::new(self, found, sources, volume);
-        let said = |k: usize, is_new: bool| -> Option<Vec<String>> {
-            Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(in_words).collect())
+        let said = |k: usize, is_new: bool| -> Option<Vec<CauseId>> {
+            Some(harm.of(k, is_new)?.iter().filter_map(|&k| sources.get(k)).map(|one| one.id(self)).collect())
         };
         let between = |k: usize| -> f64 {
             if found.widths.get(k) != Some(&1) {
@@ -355,8 +357,7 @@ impl Field<'_, '_> {
             })
             .collect();
         let keys = |sources: &mut dyn Iterator<Item = EntrantSource>| {
-            let mut keys: Vec<String> =
-                sources.map(|one| one.key(self)).map(|(effect, name)| format!("{effect} {name}")).collect();
+            let mut keys: Vec<(EffectKind, String)> = sources.map(|one| one.key(self)).collect();
             keys.sort();
             keys
         };

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, EffectKind, Term, circle, own};
+use super::cause::{Candidate, CauseId, EffectKind, Term, circle, own};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
@@ -101,7 +101,7 @@ impl Field<'_, '_> {
             // Cross-couplings with and without the contribution of each axis count as one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
-            let [far, of_other] = [one, other].map(Candidate::far_fetched);
+            let [far, of_other] = [one, other].map(Candidate::plausibility_rank);
             let columns = self.columns(other);
             let is_better = series.gain(&columns).squares > own + BETTER * noise;
             // A bow with a slope fits more by chance; an unnamed term was selected from many candidates.
@@ -146,13 +146,13 @@ impl Field<'_, '_> {
         let rivals = Rivals::new(&simple, &left);
         let found = rivals
             .pair(needed, &moves)
-            .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
+            .or_else(|| (one.plausibility_rank() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
     }
 
     /// Returns the reason why the scale of an axis is known only relative to those of others: equal scales of these axes do not change the readings. A bar of
     /// unknown length reads the same if all axes of its circles are longer by the same share.
-    pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<ExtrapolationRisk> {
+    pub(super) fn relative_scale(&self, weights: &Weights, number: usize) -> Option<(CauseId, ExtrapolationRisk)> {
         let one = self.candidates.get(number).filter(|one| is_scale(one))?;
         let others = self.candidates.iter().filter(|other| is_scale(other) && other.parameter != one.parameter);
         let others: Vec<&Candidate> = others.take(MOST).collect();
@@ -185,22 +185,20 @@ impl Field<'_, '_> {
             }
             left(&sum) <= OWN * whole
         })?;
-        let names: Vec<String> = chosen(with).map(Candidate::title).collect();
-        let line = line_along(self.scene, one);
-        Some(ExtrapolationRisk {
-            rivals: vec![names.join(" with ")],
-            separate_by: format!("a bar of calibrated length, or {line}"),
-        })
+        let rival = CauseId::together(chosen(with).map(Candidate::id).collect());
+        let separate_by = format!("a bar of calibrated length, or {}", line_along(self.scene, one));
+        let risk = ExtrapolationRisk { rivals: vec![rival.to_string()], separate_by };
+        Some((rival, risk))
     }
 
     /// True if a reversal rotation of a carriage may as well be a plain backlash, which is independent of the tool position.
     fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<ExtrapolationRisk> {
         let is_play = |one: &Candidate| matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay);
-        if !is_play(one) || one.far_fetched() < FAR {
+        if !is_play(one) || one.plausibility_rank() < FAR {
             return None;
         }
         let others = class.iter().skip(1).filter_map(|&number| self.candidates.get(number));
-        let plain = others.into_iter().find(|other| is_play(other) && other.far_fetched() < FAR)?;
+        let plain = others.into_iter().find(|other| is_play(other) && other.plausibility_rank() < FAR)?;
         Some(ExtrapolationRisk {
             rivals: vec![format!("{} {}", plain.cause.effect, plain.parameter)],
             separate_by: separating(self.scene, one, plain),
@@ -278,7 +276,7 @@ impl Field<'_, '_> {
                 (EffectKind::Motion, Term::None) => self.bows.contains(&number),
                 _ => false,
             };
-            is_kind && one.far_fetched() / 10 < than.far_fetched() / 10
+            is_kind && one.plausibility_rank() / 10 < than.plausibility_rank() / 10
         };
         (0..self.bows.end).filter(is_simple).collect()
     }

@@ -1,6 +1,6 @@
 //! Candidates as entrants of the comparison: their family, their columns, their typical size.
 
-use super::cause::{Candidate, EffectKind, Term, Weight, common_scale, servo, setup};
+use super::cause::{Candidate, CauseId, EffectKind, Term, Weight, common_scale, servo, setup};
 use super::scene::Through;
 use super::search::Field;
 use crate::diagnose::explain::assumptions::Family;
@@ -32,6 +32,12 @@ impl EntrantSource {
             EntrantSource::Shape(one) => one,
         };
         (one.cause.effect, one.parameter.clone())
+    }
+
+    /// Identity in explanations, the same as that of a finding.
+    pub(super) fn id(&self, field: &Field<'_, '_>) -> CauseId {
+        let (effect, parameter) = self.key(field);
+        CauseId::Effect(effect, parameter)
     }
 }
 

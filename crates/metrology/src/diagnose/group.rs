@@ -75,7 +75,7 @@ impl Field<'_, '_> {
     /// Returns the better explanation: the sequentially found terms, or a group of simple errors.
     pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
         // Over a part of the travel, one angular error looks like two simple errors at once.
-        let is_far = |one: &Candidate| one.far_fetched() >= FAR;
+        let is_far = |one: &Candidate| one.plausibility_rank() >= FAR;
         let is_pair =
             |one: &Candidate| is_far(one) && matches!(one.cause.effect, EffectKind::Motion | EffectKind::Cross);
         let is_any_far = taken.iter().filter_map(|&number| self.candidates.get(number)).any(is_far);
@@ -182,7 +182,7 @@ impl Field<'_, '_> {
             let name = first.component;
             let bow = bow(name, degree).filter(|_| degree > 1);
             if degree <= 1 || (degree <= DEGREE && bow.is_some()) {
-                out.push((one.far_fetched(), Simple { name, degree, candidate, bow }));
+                out.push((one.plausibility_rank(), Simple { name, degree, candidate, bow }));
             }
         }
         out.sort_by_key(|(far, one)| (one.degree, *far, one.candidate));

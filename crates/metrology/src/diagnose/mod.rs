@@ -91,7 +91,7 @@ mod verdict;
 mod volume;
 
 pub use account::Account;
-pub use cause::Causes;
+pub use cause::{CauseId, Causes};
 pub use contest::ExplanationSummary;
 pub use doubt::ExtrapolationRisk;
 pub use elsewhere::ArmRisk;

@@ -12,7 +12,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorName, name};
 
-use super::cause::{Candidate, EffectKind};
+use super::cause::{Candidate, CauseId, EffectKind};
 use super::entrant::EntrantSource;
 use super::explain::contest::Contest;
 use super::readings::{projected, weights};
@@ -82,7 +82,7 @@ struct Proposal {
 struct Predictor<'f> {
     probability: f64,
     /// Its causes, sorted.
-    causes: Vec<String>,
+    causes: Vec<CauseId>,
     terms: Vec<(&'f Candidate, Vec<f64>)>,
 }
 
@@ -140,9 +140,7 @@ fn predictors<'f>(
             };
             let terms: Option<Vec<(&Candidate, Vec<f64>)>> = way.iter().zip(&of_terms).map(term).collect();
             let Some(terms) = terms else { continue };
-            let mut causes: Vec<String> = terms.iter().map(|(candidate, _)| candidate.title()).collect();
-            causes.sort();
-            causes.dedup();
+            let causes = CauseId::in_order(terms.iter().map(|(candidate, _)| candidate.id()).collect());
             // Variants of the same causes, such as shapes of another order, are one explanation.
             let probability = share * one.probability;
             match out.iter_mut().find(|known: &&mut Predictor<'_>| known.causes == causes) {

@@ -4,7 +4,7 @@
 //! cross-coupling. Operators easily confuse the signs of direct measurements (Spaan 1995, ch. 3). So each file and each set-up takes the opposite sign in
 //! turn. If usual errors of machines then explain all readings better, every finding that changes with the sign shares its probability with that mistake.
 
-use super::cause::{Candidate, EffectKind};
+use super::cause::{Candidate, CauseId, EffectKind};
 use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
 use super::entrant::{family, is_slope};
@@ -59,8 +59,8 @@ impl ReversedUnit {
         length(own.iter().zip(amounts).map(|(own, amount)| (own - amount).powi(2)).sum()) > SAME * size
     }
 
-    fn title(&self) -> String {
-        format!("{} sign of {}", EffectKind::Setup, self.name)
+    fn id(&self) -> CauseId {
+        CauseId::OppositeSign(self.name.clone())
     }
 }
 
@@ -94,19 +94,19 @@ impl ReversedReadings {
     /// Opposite signs that change a finding, as its rivals, if it has this share of the probability otherwise.
     pub(super) fn rivals(&self, number: usize, amounts: &[f64], share: f64) -> Vec<RivalCause> {
         let changing = self.all.iter().filter(|one| one.changes(number, amounts));
-        changing.map(|one| RivalCause { cause: one.title(), probability: one.probability * share }).collect()
+        changing.map(|one| RivalCause { cause: one.id(), probability: one.probability * share }).collect()
     }
 
     /// The reason why a finding that changes with a sign must not be corrected.
     pub(super) fn doubt(&self) -> ExtrapolationRisk {
         let names: Vec<&str> = self.all.iter().map(|one| one.name.as_str()).collect();
         let separate_by = format!("the sign of one reading of {} after a known motion of the axis", names.join(" or "));
-        ExtrapolationRisk { rivals: self.all.iter().map(ReversedUnit::title).collect(), separate_by }
+        ExtrapolationRisk { rivals: self.all.iter().map(|one| one.id().to_string()).collect(), separate_by }
     }
 
     /// The share of a finding, and its rivals, without the opposite signs.
     pub(super) fn left_out_of(&self, one: &AcceptedCause) -> (f64, Vec<RivalCause>) {
-        let is_of_sign = |rival: &RivalCause| self.all.iter().any(|one| one.title() == rival.cause);
+        let is_of_sign = |rival: &RivalCause| self.all.iter().any(|one| one.id() == rival.cause);
         let own: f64 = one.rivals.iter().filter(|rival| is_of_sign(rival)).map(|rival| rival.probability).sum();
         (one.nature_share + own, one.rivals.iter().filter(|rival| !is_of_sign(rival)).cloned().collect())
     }
@@ -121,12 +121,10 @@ impl ReversedReadings {
         let mut added = Vec::new();
         let given = all.clone();
         for unit in &self.all {
-            let is_rival = |one: &&AcceptedCause| one.rivals.iter().any(|rival| rival.cause == unit.title());
-            let changed: Vec<String> = findings.iter().filter(is_rival).map(|one| one.candidate.title()).collect();
-            let titles = unit.terms.iter().filter_map(|(number, _)| field.candidates.get(*number));
-            let mut terms: Vec<String> = titles.map(Candidate::title).chain([unit.title()]).collect();
-            terms.sort();
-            terms.dedup();
+            let is_rival = |one: &&AcceptedCause| one.rivals.iter().any(|rival| rival.cause == unit.id());
+            let changed: Vec<CauseId> = findings.iter().filter(is_rival).map(|one| one.candidate.id()).collect();
+            let found = unit.terms.iter().filter_map(|(number, _)| field.candidates.get(*number));
+            let terms = CauseId::in_order(found.map(Candidate::id).chain([unit.id()]).collect());
             let mut moved = 0.0;
             for (one, given) in all.iter_mut().zip(&given) {
                 if one.terms.iter().any(|term| changed.contains(term)) {

@@ -355,7 +355,7 @@ impl<'s, 'a> Field<'s, 'a> {
     fn best_of(&self, open: &[(f64, usize)]) -> Option<(f64, usize)> {
         let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
         open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
-            let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+            let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::plausibility_rank);
             far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
         })
     }

@@ -6,7 +6,7 @@
 //! The machine may have changed too: the scale of an axis follows its temperature and its maintenance. A scale that only one file shows, while another file
 //! has the same error of the axis, is that change with exactly the same effect on the readings. The odds of both alone decide.
 
-use super::cause::{EffectKind, own, setup};
+use super::cause::{CauseId, EffectKind, own, setup};
 use super::entrant::family;
 use super::explain::assumptions::Family;
 use super::reversed::SAME;
@@ -29,8 +29,8 @@ pub(super) struct SwappedSetups {
 /// The error of an axis that may have changed between files.
 struct ChangedScale {
     component: ErrorName,
-    /// The change in words.
-    cause: String,
+    /// The change.
+    cause: CauseId,
     /// True if one other file shows the error: nothing tells which of the two has the present scale.
     is_one_of_two: bool,
 }
@@ -76,7 +76,7 @@ impl Field<'_, '_> {
                 (change.component, change.is_one_of_two, rival)
             });
             let of = |place: usize, weight: f64| {
-                let cause = self.candidates.get(place)?.title();
+                let cause = self.candidates.get(place)?.id();
                 Some(RivalCause { cause, probability: weight / whole })
             };
             let all = rivals.iter().filter_map(|&(place, weight)| of(place, weight));
@@ -124,7 +124,7 @@ impl Field<'_, '_> {
         let file = &self.scene.sets.get(first.set)?.name;
         (is_alone && !others.is_empty()).then(|| ChangedScale {
             component,
-            cause: format!("{component} slope that differs between files ({axis} in {file}: temperature, maintenance)"),
+            cause: CauseId::ChangedSlope(component, axis, file.clone()),
             is_one_of_two: others.len() == 1,
         })
     }

@@ -5,7 +5,7 @@
 //! registered cause takes the place of the finding in turn, together with the other findings, and natures that predict the readings to within the noise share
 //! the probability by their likelihood alone. The corrections of different natures differ: one that is not certain must not be written.
 
-use super::cause::{Candidate, EffectKind, setup};
+use super::cause::{Candidate, CauseId, EffectKind, setup};
 use super::contest::{ExplanationSummary, MOST_SHOWN};
 use super::doubt::ExtrapolationRisk;
 use super::entrant::{family, group};
@@ -32,11 +32,12 @@ pub(super) struct Undecided {
 }
 
 /// A cause that predicts the same readings as a finding but depends on another quantity.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RivalCause {
     /// Its effect and parameter, as `thermal-drift X`.
-    pub cause: String,
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub cause: CauseId,
     /// Its share in the probability of the finding and its rivals.
     pub probability: f64,
 }
@@ -108,10 +109,10 @@ impl Field<'_, '_> {
     /// Gives the terms of explanations that are not among the findings `kept` to their rivals too: a list of explanations must not be surer than a finding.
     /// Each is compared given the findings of its most probable explanation: those that it replaces would leave nothing for it.
     pub(super) fn share_others(&self, weights: &Weights, kept: &[usize], explanations: &mut Vec<ExplanationSummary>) {
-        let title = |number: &usize| self.candidates.get(*number).map(Candidate::title);
-        let known: Vec<String> = kept.iter().filter_map(title).collect();
-        let mut terms: Vec<(String, Vec<String>)> = Vec::new();
-        let share = |term: &String| -> f64 {
+        let id = |number: &usize| self.candidates.get(*number).map(Candidate::id);
+        let known: Vec<CauseId> = kept.iter().filter_map(id).collect();
+        let mut terms: Vec<(CauseId, Vec<CauseId>)> = Vec::new();
+        let share = |term: &CauseId| -> f64 {
             explanations.iter().filter(|one| one.terms.contains(term)).map(|one| one.probability).sum()
         };
         for one in explanations.iter() {
@@ -122,12 +123,9 @@ impl Field<'_, '_> {
             }
         }
         for (term, beside) in terms {
-            let Some(number) = self.candidates.iter().position(|one| one.title() == term) else { continue };
-            let others: Vec<usize> = kept
-                .iter()
-                .copied()
-                .filter(|other| title(other).is_some_and(|title| beside.contains(&title)))
-                .collect();
+            let Some(number) = self.candidates.iter().position(|one| one.id() == term) else { continue };
+            let others: Vec<usize> =
+                kept.iter().copied().filter(|other| id(other).is_some_and(|id| beside.contains(&id))).collect();
             let with: Vec<usize> = others.iter().copied().chain([number]).collect();
             let series = self.series(weights, &others, self.memory(weights, &with));
             let gains = self.gains(weights, &series);
@@ -146,7 +144,7 @@ impl Field<'_, '_> {
     /// The rivals by name.
     pub(super) fn rivals(&self, undecided: &Undecided) -> Vec<RivalCause> {
         let of = |&(place, probability): &(usize, f64)| {
-            self.candidates.get(place).map(|one| RivalCause { cause: one.title(), probability })
+            self.candidates.get(place).map(|one| RivalCause { cause: one.id(), probability })
         };
         undecided.rivals.iter().filter_map(of).collect()
     }
@@ -162,8 +160,13 @@ impl Field<'_, '_> {
 }
 
 /// Gives the rivals of a finding their share of the probability of every explanation that contains it.
-pub(super) fn share_out(explanations: &mut Vec<ExplanationSummary>, title: &str, own: f64, rivals: &[RivalCause]) {
-    let has = |one: &ExplanationSummary| one.terms.iter().any(|term| term == title);
+pub(super) fn share_out(
+    explanations: &mut Vec<ExplanationSummary>,
+    finding: &CauseId,
+    own: f64,
+    rivals: &[RivalCause],
+) {
+    let has = |one: &ExplanationSummary| one.terms.iter().any(|term| term == finding);
     let whole: f64 = explanations.iter().filter(|one| has(one)).map(|one| one.probability).sum();
     let others: f64 = rivals.iter().map(|rival| rival.probability).sum();
     if whole <= own || others <= 0.0 {
@@ -173,10 +176,8 @@ pub(super) fn share_out(explanations: &mut Vec<ExplanationSummary>, title: &str,
     for one in explanations.iter_mut().filter(|one| has(one)) {
         let kept = one.probability * own / whole;
         for rival in rivals {
-            let mut terms: Vec<String> = one.terms.iter().filter(|term| *term != title).cloned().collect();
-            terms.push(rival.cause.clone());
-            terms.sort();
-            terms.dedup();
+            let beside = one.terms.iter().filter(|term| *term != finding);
+            let terms = CauseId::in_order(beside.chain([&rival.cause]).cloned().collect());
             moved.push((terms, (one.probability - kept) * rival.probability / others));
         }
         one.probability = kept;

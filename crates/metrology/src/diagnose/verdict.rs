@@ -1,7 +1,7 @@
 //! Verdict of a diagnosis: findings with their sizes, other explanations and gains, and the residual.
 
 use super::account::{Account, swing};
-use super::cause::{Candidate, Cause, Causes, EffectKind, Term, earlier, periodic, thermal};
+use super::cause::{Candidate, Cause, CauseId, Causes, EffectKind, Term, earlier, periodic, thermal};
 use super::certified;
 use super::class::class;
 use super::contest::{Chosen, ExplanationSummary};
@@ -291,7 +291,7 @@ pub(super) fn diagnose_then(
         // So does the choice of the set-up whose scale is wrong; its own finding is exchanged.
         let own = own + one.resized.iter().map(|rival| rival.probability).sum::<f64>();
         let rivals: Vec<RivalCause> = rivals.into_iter().filter(|rival| !one.resized.contains(rival)).collect();
-        share_out(&mut found.explanations, &one.candidate.title(), own, &rivals);
+        share_out(&mut found.explanations, &one.candidate.id(), own, &rivals);
     }
     field.share_others(&weights, &numbers, &mut found.explanations);
     share_rejected(&found.rejected, &found.findings, &mut found.explanations);
@@ -303,19 +303,16 @@ pub(super) fn diagnose_then(
     found
 }
 
-/// Name of a slow change of the readings that follows no known quantity.
-const SLOW: &str = "slow change without a cause";
-
 /// Gives noise its share of explanations with a term that was not significant: the comparison of explanations knows no random walk, and must not be surer than
 /// the test that rejected the term.
 fn share_rejected(rejected: &[Rejected], findings: &[AcceptedCause], explanations: &mut Vec<ExplanationSummary>) {
-    let is_found = |title: &str| findings.iter().any(|one| one.candidate.title() == title);
+    let is_found = |id: &CauseId| findings.iter().any(|one| one.candidate.id() == *id);
     for one in rejected.iter().filter(|one| one.gate == Gate::Chance) {
-        let title = one.candidate.title();
-        if !is_found(&title) {
+        let id = one.candidate.id();
+        if !is_found(&id) {
             let own = 1.0 / (1.0 + least_odds(one.chance));
-            let rival = RivalCause { cause: SLOW.to_owned(), probability: 1.0 - own };
-            share_out(explanations, &title, own, &[rival]);
+            let rival = RivalCause { cause: CauseId::SlowChange, probability: 1.0 - own };
+            share_out(explanations, &id, own, &[rival]);
         }
     }
 }
@@ -438,15 +435,13 @@ fn verdict(
         // A term of the comparison is compared with all explanations.
         let of_chosen = chosen.iter().find(|one| one.candidate == term.candidate).map(|one| {
             let rivals = one.harmful.clone()?;
-            let named = |one: &&Candidate| {
-                rivals.first().is_some_and(|name| format!("{} {}", one.cause.effect, one.parameter).trim_end() == name)
-            };
+            let named = |one: &&Candidate| rivals.first().is_some_and(|id| one.id() == *id);
             let rival = field.candidates.iter().find(named).or(rival);
             let separate_by = match rival {
                 Some(rival) => separating(scene, candidate, rival),
                 None => candidate.cause.separate_by.to_owned(),
             };
-            Some(ExtrapolationRisk { rivals, separate_by })
+            Some(ExtrapolationRisk { rivals: rivals.iter().map(ToString::to_string).collect(), separate_by })
         });
         let by_class = || {
             volume
@@ -460,16 +455,15 @@ fn verdict(
         let undecided = field.undecided((&beside, &gains), (term.candidate, &others), noise * inflation);
         // A wave with the same values at the measured places is another error between them.
         let of_wave = aliases.first().filter(|_| of_waves < CERTAIN).map(|period| RivalCause {
-            cause: format!("{} {}", periodic::CAUSE.effect, separate::every(&candidate.parameter, *period)),
+            cause: CauseId::Effect(periodic::CAUSE.effect, separate::every(&candidate.parameter, *period)),
             probability: (1.0 - of_waves) * undecided.own,
         });
         let relative = field.relative_scale(weights, term.candidate);
         // A common scale of all axes is as frequent as one of a single axis: temperature does both.
         let of_scale = relative.as_ref().map_or(1.0, |_| 1.0 / (1.0 + Family::Scale.assumption().odds));
-        let of_others = relative.iter().flat_map(|relative| &relative.rivals);
-        let of_others = of_others
-            .map(|cause| RivalCause { cause: cause.clone(), probability: (1.0 - of_scale) * undecided.own })
-            .collect::<Vec<_>>();
+        let of_others = relative
+            .as_ref()
+            .map(|(cause, _)| RivalCause { cause: cause.clone(), probability: (1.0 - of_scale) * undecided.own });
         let of_both_signs = undecided.own * of_waves.min(1.0) * of_scale;
         let of_sign = reversed.map_or_else(Vec::new, |one| one.rivals(term.candidate, &amounts.values, of_both_signs));
         let own_share = of_both_signs - of_sign.iter().map(|rival| rival.probability).sum::<f64>();
@@ -494,11 +488,11 @@ fn verdict(
         rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         let doubt = reversed.filter(|_| own_share < CERTAIN).map(ReversedReadings::doubt);
         let of_setups = ExtrapolationRisk {
-            rivals: of_swap.into_iter().map(|rival| rival.cause).collect(),
+            rivals: of_swap.into_iter().map(|rival| rival.cause.to_string()).collect(),
             separate_by: "the same line measured once more with another mounting or instrument, and the temperature of the axis noted".to_owned(),
         };
         let doubt = doubt.or(Some(of_setups).filter(|risk| own_share < CERTAIN && !risk.rivals.is_empty()));
-        let doubt = doubt.or_else(|| field.nature_doubt(candidate, &undecided)).or(relative);
+        let doubt = doubt.or_else(|| field.nature_doubt(candidate, &undecided)).or(relative.map(|(_, risk)| risk));
         let doubt = doubt.or_else(|| of_chosen.flatten().filter(|_| is_compared)).or_else(by_class);
         // Itself, its other periods, and the other explanations.
         let mut names: Vec<(&'static Cause, String)> = class

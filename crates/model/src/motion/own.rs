@@ -1,5 +1,6 @@
 //! Functions of custom kinds: the content of [`EntryFunction::Own`](super::EntryFunction::Own).
 
+use std::any::Any;
 use std::fmt::Debug;
 
 use ncfix_base::geometry::{Axis, AxisVector};
@@ -9,7 +10,7 @@ use ncfix_machine::machine::State;
 const BENDS: f64 = 8.0;
 
 /// Function that gives one error component of an axis: of a kind ([`MotionKind`](super::MotionKind)) that is not built in, or made by an effect of a custom
-/// source. It must implement `Clone`, and its `Debug` output must contain all of its state.
+/// source. It must implement `Clone` and `PartialEq`.
 pub trait MotionFunction: BoxedFunction + Debug + Send + Sync {
     /// Returns the name of its kind, for tables.
     fn kind(&self) -> &'static str;
@@ -35,15 +36,23 @@ pub trait MotionFunction: BoxedFunction + Debug + Send + Sync {
     }
 }
 
-/// Copies a function. It is implemented for every [`MotionFunction`] that is `Clone`.
-pub trait BoxedFunction {
+/// Copies and compares a function. It is implemented for every [`MotionFunction`] that is `Clone` and `PartialEq`.
+pub trait BoxedFunction: Any {
     /// Returns a boxed copy.
     fn boxed(&self) -> Box<dyn MotionFunction>;
+
+    /// True if the other function has the same type and is equal.
+    fn equals(&self, other: &dyn MotionFunction) -> bool;
 }
 
-impl<F: MotionFunction + Clone + 'static> BoxedFunction for F {
+impl<F: MotionFunction + Clone + PartialEq + 'static> BoxedFunction for F {
     fn boxed(&self) -> Box<dyn MotionFunction> {
         Box::new(self.clone())
+    }
+
+    fn equals(&self, other: &dyn MotionFunction) -> bool {
+        let other: &dyn Any = other;
+        other.downcast_ref::<F>() == Some(self)
     }
 }
 
@@ -64,7 +73,7 @@ impl Default for Sampling {
     }
 }
 
-/// Custom function. Two are equal if their kinds and their `Debug` outputs are.
+/// Custom function. Two are equal if their kinds are, and the functions themselves.
 #[derive(Debug)]
 pub struct Own(Box<dyn MotionFunction>);
 
@@ -102,6 +111,6 @@ impl Clone for Own {
 
 impl PartialEq for Own {
     fn eq(&self, other: &Self) -> bool {
-        self.0.kind() == other.0.kind() && format!("{:?}", self.0) == format!("{:?}", other.0)
+        self.0.kind() == other.0.kind() && self.0.equals(&*other.0)
     }
 }

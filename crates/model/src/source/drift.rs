@@ -47,7 +47,7 @@ const UM_PER_K: &str = "um_per_K";
 const URAD_PER_K: &str = "urad_per_K";
 
 /// Drift in one direction.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Drift {
     /// X, Y or Z of F; A, B or C for a rotation of the tool holder.
     direction: Direction,
@@ -58,7 +58,7 @@ struct Drift {
 }
 
 /// Drift at one position.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Node {
     /// Number of its section.
     entry: usize,
@@ -68,7 +68,7 @@ struct Node {
 }
 
 /// Contribution of one sensor.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Term {
     sensor: String,
     /// mm or rad per K.

@@ -38,7 +38,7 @@ workpiece = { sensors = [\"T_work\"], um_per_m_K = 11.5, fixed_mm = 200, lag_s =
 const PER_UM_PER_M: f64 = 1e-6;
 
 /// Thermal expansion of one body along one axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Expansion {
     /// Number of its section.
     entry: usize,
@@ -57,7 +57,7 @@ enum Body {
     Workpiece,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Sensor {
     name: String,
     weight: f64,

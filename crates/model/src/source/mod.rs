@@ -12,6 +12,7 @@ mod load;
 mod reversal;
 mod structure;
 
+use std::any::Any;
 use std::fmt::Debug;
 
 use ncfix_base::diagnostic::Diagnostic;
@@ -117,8 +118,7 @@ pub(super) fn rank(info: &SourceInfo) -> usize {
     BUILT_IN.iter().position(|source| source.info.name == info.name).unwrap_or(BUILT_IN.len())
 }
 
-/// Effect of a source: one entry of the machine file. It must implement `Clone`, and its `Debug` output must contain all of its state: effects are equal if
-/// these outputs are.
+/// Effect of a source: one entry of the machine file. It must implement `Clone` and `PartialEq`.
 pub trait Effect: BoxedEffect + Debug + Send + Sync {
     /// Returns the source to which it belongs.
     fn source(&self) -> &'static SourceInfo;
@@ -154,15 +154,23 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
     }
 }
 
-/// Copies an effect. It is implemented for every [`Effect`] that is `Clone`.
-pub trait BoxedEffect {
+/// Copies and compares an effect. It is implemented for every [`Effect`] that is `Clone` and `PartialEq`.
+pub trait BoxedEffect: Any {
     /// Returns a boxed copy.
     fn boxed(&self) -> Box<dyn Effect>;
+
+    /// True if the other effect has the same type and is equal.
+    fn equals(&self, other: &dyn Effect) -> bool;
 }
 
-impl<E: Effect + Clone + 'static> BoxedEffect for E {
+impl<E: Effect + Clone + PartialEq + 'static> BoxedEffect for E {
     fn boxed(&self) -> Box<dyn Effect> {
         Box::new(self.clone())
+    }
+
+    fn equals(&self, other: &dyn Effect) -> bool {
+        let other: &dyn Any = other;
+        other.downcast_ref::<E>() == Some(self)
     }
 }
 
@@ -174,8 +182,8 @@ impl Clone for Box<dyn Effect> {
 
 impl PartialEq for dyn Effect {
     fn eq(&self, other: &Self) -> bool {
-        // A name is unique in a registry, and every `Debug` output is complete.
-        self.source().name == other.source().name && format!("{self:?}") == format!("{other:?}")
+        // Two sources may have effects of one type. The name of a source is unique in a registry.
+        self.source().name == other.source().name && self.equals(other)
     }
 }
 

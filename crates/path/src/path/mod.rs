@@ -49,7 +49,7 @@ mod volume;
 mod way;
 
 pub use compare::{
-    ActSubject, CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Follow, Grouping, How, ON_THE_SPOT, Parting,
+    ActSubject, CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Divergence, Follow, Grouping, How, ON_THE_SPOT,
     ProgramDifference, Promise, What, compare, compare_seeing,
 };
 pub use corrector::Corrector;

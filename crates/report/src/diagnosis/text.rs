@@ -8,7 +8,7 @@ use super::next::next_sentence;
 use crate::component::spelled_out;
 use crate::number::{grouped, percent, probability, significant};
 use ncfix_metrology::diagnose::cause::Correctable;
-use ncfix_metrology::diagnose::{ExplanationSummary, Gate};
+use ncfix_metrology::diagnose::{CauseId, ExplanationSummary, Gate};
 use ncfix_metrology::results::diagnosis::{
     CauseReport, InFile, NoiseFrom, PositionUnit, RejectedReport, ShapePlace, SizeRange,
 };
@@ -200,11 +200,11 @@ impl DiagnosisReport {
 
     /// Returns the acceptance test that the most probable explanation failed, as a part of a sentence.
     fn failed_sentence(&self, first: &ExplanationSummary) -> String {
-        let test_of = |term: &String| {
-            let is_own = |one: &&RejectedReport| name(&one.effect, &one.parameter) == *term;
+        let test_of = |term: &CauseId| {
+            let is_own = |one: &&RejectedReport| term.is_effect(&one.effect, &one.parameter);
             self.found.rejected.iter().find(is_own).map(|one| test(one.why))
         };
-        let together = format!("{} ({})", first.terms.join(" with "), probability(first.probability));
+        let together = format!("{} ({})", first.joined(" with "), probability(first.probability));
         match first.terms.iter().find_map(|term| Some((term, test_of(term)?))) {
             Some((_, test)) if first.terms.len() == 1 => format!("{together} failed {test}"),
             Some((term, test)) => format!("in the most probable explanation, {together}, {term} failed {test}"),
@@ -230,12 +230,12 @@ impl DiagnosisReport {
     fn more_probable(&self, largest: &CauseReport) -> String {
         let is_less = |one: &&ExplanationSummary| {
             largest.probability.is_some_and(|own| own < MORE_THAN_ALL_OTHERS && own < one.probability)
-                && !one.terms.contains(&largest.name())
+                && !one.terms.iter().any(|term| term.is_effect(&largest.effect, &largest.parameter))
         };
         match self.found.explanations.first().filter(is_less) {
             Some(first) => format!(
                 " Another explanation of these readings is more probable: {} ({}).",
-                if first.terms.is_empty() { "noise alone".to_owned() } else { first.terms.join(" with ") },
+                if first.terms.is_empty() { "noise alone".to_owned() } else { first.joined(" with ") },
                 probability(first.probability)
             ),
             None => String::new(),
@@ -252,7 +252,7 @@ impl DiagnosisReport {
         let findings = &self.found.findings;
         // A stated hypothesis contests the finding.
         let stated = |cause: &str| self.found.hypotheses.iter().find(|one: &&HypothesisReport| one.text == cause);
-        let of_hypothesis = largest.rivals.iter().find_map(|rival| stated(&rival.cause)?.next.as_ref());
+        let of_hypothesis = largest.rivals.iter().find_map(|rival| stated(rival.cause.stated()?)?.next.as_ref());
         if let Some(command) = of_hypothesis.filter(|_| !largest.certain) {
             return format!("fit and write the hypothesis with {command}");
         }
@@ -335,7 +335,7 @@ impl DiagnosisReport {
             return Vec::new();
         }
         let line = |one: &ExplanationSummary| {
-            let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.terms.join(", ") };
+            let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.joined(", ") };
             format!("{}: {terms}", percent(one.probability))
         };
         all.iter().take(EXPLANATIONS).filter(|one| one.probability >= LEAST_SHOWN).map(line).collect()

@@ -230,7 +230,7 @@ fn explanations(out: &mut Markup, all: &[ExplanationSummary], next: Option<&Next
     }
     out.leaf("h2", &[], "Explanations");
     let row = |one: &ExplanationSummary| {
-        let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.terms.join(", ") };
+        let terms = if one.terms.is_empty() { "no cause".to_owned() } else { one.joined(", ") };
         PageRow { class: "wrap", cells: vec![percent(one.probability), terms] }
     };
     let rows: Vec<PageRow> = all.iter().map(row).collect();

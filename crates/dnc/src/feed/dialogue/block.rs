@@ -20,7 +20,7 @@
 use std::time::Duration;
 
 use super::answers::impossible;
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, Halt, Line, LossKind, Profile, Protocol, Wire, check_text};
 
 /// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -110,7 +110,7 @@ impl Block {
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
         self.state = State::Over;
-        events.push(Event::Lost(why.to_owned()));
+        events.push(Event::Lost(LossKind::Other, why.to_owned()));
     }
 }
 
@@ -176,7 +176,11 @@ impl Dialogue for Block {
                     if self.repeats > self.most_repeats {
                         let why = format!("the control has refused the same block {} times", self.repeats);
                         self.state = State::Over;
-                        events.push(if number > 0 { Event::Refused(number, why) } else { Event::Lost(why) });
+                        events.push(if number > 0 {
+                            Event::Refused(number, why)
+                        } else {
+                            Event::Lost(LossKind::Other, why)
+                        });
                     } else {
                         events.push(Event::Repeated(number));
                         self.push(now, wire);

@@ -25,7 +25,6 @@ use ncfix_base::register::{Register, Registered};
 use super::rewriter::LineRewriter;
 use super::{Line, Profile, Wire};
 
-pub use position::ELSEWHERE;
 pub use zero::{ExpectedZero, ZERO_LETTERS, ZeroValues};
 
 /// Event of a dialogue, caused by received bytes or by elapsed time.
@@ -58,8 +57,19 @@ pub enum Event {
     Refused(u64, String),
     /// The control reports its state and its position. This is information for people, and no evidence of executed lines.
     Reported(String),
-    /// The job is lost: the control was reset, is in alarm, or does not answer as it must. Nothing more may be sent.
-    Lost(String),
+    /// The job is lost: the control was reset, is in alarm, or does not answer as it must. Nothing more may be sent. With the kind of loss and its reason.
+    Lost(LossKind, String),
+}
+
+/// Kind of a loss. It decides the exit status, and what is known about the lines that were sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossKind {
+    /// The link has failed: the control cannot be reached any more.
+    LinkGone,
+    /// The control stands still at another position than the lines sent command.
+    AtAnotherPosition,
+    /// Any other loss, such as a reset, an alarm or a missing answer.
+    Other,
 }
 
 /// Stop command of a person. Each leaves the control in a different state.

@@ -12,7 +12,6 @@ mod compare;
 
 use ncfix_base::units::MM_PER_INCH;
 
-pub use compare::ELSEWHERE;
 pub(super) use compare::{PositionComparison, elsewhere, number};
 
 /// Axis letters in the order in which controls report them.

@@ -36,26 +36,26 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
                 facts.axis_mut(axis).max_feed = Some(known(value, (name, line), &format!("${key}")));
             }
             (100..=102, Some(axis)) => {
-                facts.notes.push(format!("{name}:{line} ${key} {axis}: {value} steps/mm; a scale error can also be removed here"));
+                facts.note(format!("{name}:{line} ${key} {axis}: {value} steps/mm; a scale error can also be removed here"));
             }
             (3, _) if value != 0.0 => {
-                facts.notes.push(format!("{name}:{line} $3 = {value}: reversed motors; the sense of the axes does not follow from it"));
+                facts.note(format!("{name}:{line} $3 = {value}: reversed motors; the sense of the axes does not follow from it"));
             }
             (13, _) => {
                 let unit = if value == 0.0 { "mm" } else { "inch" };
                 facts.saved_unit = Some(known(unit, (name, line), &format!("$13 = {value}, the unit of $#")));
             }
             (22, _) if value == 0.0 => {
-                facts.notes.push(format!(
+                facts.note(format!(
                     "{name}:{line} $22 = 0: without homing the machine zero is where the axes stood at power-on; home the machine, or state the zero offset anew"
                 ));
             }
-            (23, _) => facts.notes.push(format!(
+            (23, _) => facts.note(format!(
                 "{name}:{line} $23 = {value}: ends to which the axes home; with HOMING_FORCE_SET_ORIGIN Grbl counts from there: then give --travel"
             )),
             _ => {}
         }
     }
-    facts.notes.push(format!("{name} does not state which axis carries the workpiece: it follows from the template"));
+    facts.note(format!("{name} does not state which axis carries the workpiece: it follows from the template"));
     Ok(())
 }

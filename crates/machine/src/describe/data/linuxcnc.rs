@@ -86,7 +86,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
             facts.axis_mut(axis).travel =
                 Some(known(travel, (name, line), &format!("[{section}] MIN_LIMIT, MAX_LIMIT")));
         } else {
-            facts.notes.push(format!("{name} has no limits of {axis} in [AXIS_{axis}] or [{joint}]"));
+            facts.note(format!("{name} has no limits of {axis} in [AXIS_{axis}] or [{joint}]"));
         }
         if let Some((section, (value, line))) = find("MAX_VELOCITY")
             && let Some(value) = number(value).filter(|value| *value > 0.0)
@@ -99,12 +99,12 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
             ("COMP_FILE", "LinuxCNC compensates the pitch error from this file: measure with it active"),
         ] {
             if let Some((value, line)) = get(&joint, key).filter(|(value, _)| number(value) != Some(0.0)) {
-                facts.notes.push(format!("{name}:{line} [{joint}] {key} = {value} ({axis}): {meaning}"));
+                facts.note(format!("{name}:{line} [{joint}] {key} = {value} ({axis}): {meaning}"));
             }
         }
     }
     if coordinates.is_empty() {
-        facts.notes.push(format!("{name} has no COORDINATES in [TRAJ]: no limits are taken"));
+        facts.note(format!("{name} has no COORDINATES in [TRAJ]: no limits are taken"));
     }
     let is_off = |value: &str| matches!(value.to_ascii_uppercase().as_str(), "0" | "NO" | "FALSE" | "");
     let moves = CHANGE_MOVES.iter().any(|key| get("EMCIO", key).is_some_and(|(value, _)| !is_off(value)));
@@ -116,10 +116,10 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
         facts.startup_code = Some(known(value.to_owned(), (name, line), "[RS274NGC] RS274NGC_STARTUP_CODE"));
     }
     if let Some((value, line)) = get("KINS", "KINEMATICS") {
-        facts.notes.push(format!(
+        facts.note(format!(
             "{name}:{line} KINEMATICS = {value}: pivots of a five-axis module are in its HAL pins, not in the INI"
         ));
     }
-    facts.notes.push(format!("{name} does not state which axis carries the workpiece: it follows from the template"));
+    facts.note(format!("{name} does not state which axis carries the workpiece: it follows from the template"));
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod grbl;
 mod linuxcnc;
+mod note;
 mod reset_words;
 mod sinumerik;
 
@@ -12,6 +13,8 @@ use crate::describe::stated::TravelRange;
 use crate::machine::{Branch, Topology};
 use ncfix_base::diagnostic::character::wide_encoding;
 use ncfix_base::geometry::Axis;
+
+pub use note::{DataNote, DataNoteKind};
 
 /// Data of one axis, as far as a file states them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,7 +54,7 @@ pub struct ControlFacts {
     /// Lines of `[control]`: words that are in force before the first block.
     pub control_lines: Vec<Known<String>>,
     /// Data that the machine file does not carry, and data that the file lacks.
-    pub notes: Vec<String>,
+    pub notes: Vec<DataNote>,
 }
 
 /// Format of data of a control.
@@ -69,6 +72,15 @@ pub struct ControlDataFormat {
 pub const FORMATS: &[ControlDataFormat] = &[sinumerik::FORMAT, linuxcnc::FORMAT, grbl::FORMAT];
 
 impl ControlFacts {
+    /// Adds a note for people.
+    fn note(&mut self, text: String) {
+        self.note_as(DataNoteKind::Other, text);
+    }
+
+    fn note_as(&mut self, kind: DataNoteKind, text: String) {
+        self.notes.push(DataNote { kind, text });
+    }
+
     /// Returns the data of an axis; `None` if no file states any.
     #[must_use]
     pub fn axis(&self, axis: Axis) -> Option<&AxisFacts> {

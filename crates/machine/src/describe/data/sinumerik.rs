@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::reset_words::{ResetWord, reset_word};
-use super::{ControlDataFormat, ControlFacts, known, number, rounded};
+use super::{ControlDataFormat, ControlFacts, DataNoteKind, known, number, rounded};
 use crate::describe::known::Known;
 use crate::describe::stated::TravelRange;
 use crate::machine::Branch;
@@ -74,7 +74,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     let missing = if missing.is_empty() { String::new() } else { format!("; {name} lacks {missing}") };
     if !unnamed.is_empty() {
         let axes = unnamed.into_iter().collect::<Vec<_>>().join(", ");
-        facts.notes.push(format!(
+        facts.note_as(DataNoteKind::Unused, format!(
             "{name} has data of {axes}, but the names of these axes are not known, so the data were not used{missing}"
         ));
     }
@@ -87,7 +87,7 @@ fn read(name: &str, text: &str, facts: &mut ControlFacts) -> Result<(), String> 
     }
     reset_words(name, &values, facts);
     Geometry { name, values: &values }.read(&letters, facts)?;
-    facts.notes.push(format!("{name} does not state which slide carries the table: it follows from the template"));
+    facts.note(format!("{name} does not state which slide carries the table: it follows from the template"));
     Ok(())
 }
 
@@ -138,7 +138,7 @@ fn reset_words(name: &str, values: &Values<'_>, facts: &mut ControlFacts) {
             Some(ResetWord::Key(key)) => {
                 facts.control_lines.push(known(key, (name, *line), &format!("MD20150[{index}]")));
             }
-            Some(ResetWord::Unknown(word, assumed)) => facts.notes.push(format!(
+            Some(ResetWord::Unknown(word, assumed)) => facts.note_as(DataNoteKind::UnknownStart, format!(
                 "{name}:{line} MD20150[{index}] is {text}: programs begin with {word}, and ncfix assumes {assumed}; write the word at the beginning of every program"
             )),
         }
@@ -220,11 +220,11 @@ fn axis_data(
             let feed = if axis.is_rotary() { rounded(value * TURN_DEG) } else { value };
             facts.axis_mut(axis).max_feed = Some(known(feed, place, "MD32000"));
         }
-        "$MA_AX_MOTION_DIR" if value < 0.0 => facts.notes.push(format!(
+        "$MA_AX_MOTION_DIR" if value < 0.0 => facts.note(format!(
             "{}:{} MD32100 of {axis} is -1: a reversed motor; the sense of the axis does not follow from it",
             place.0, place.1
         )),
-        "$MA_BACKLASH" if value != 0.0 => facts.notes.push(format!(
+        "$MA_BACKLASH" if value != 0.0 => facts.note(format!(
             "{}:{} MD32450: the control compensates {value} backlash of {axis}; ncfix needs only the rest",
             place.0, place.1
         )),
@@ -316,9 +316,7 @@ impl Geometry<'_> {
             40 => [Branch::Workpiece; 2],
             56 => [Branch::Tool, Branch::Workpiece],
             other => {
-                facts
-                    .notes
-                    .push(format!("{name}:{line} transformation type {other} is not read: give --pivot and --sense"));
+                facts.note(format!("{name}:{line} transformation type {other} is not read: give --pivot and --sense"));
                 return Ok(());
             }
         };
@@ -333,7 +331,7 @@ impl Geometry<'_> {
         }
         let omitted = self.omitted();
         if !omitted.is_empty() {
-            facts.notes.push(format!(
+            facts.note(format!(
                 "{name} has no {}: 0 is used, since a control that saves only changed data (MD11210) omits zeros; compare with the control",
                 omitted.join(", ")
             ));
@@ -375,9 +373,7 @@ impl Geometry<'_> {
     ) -> Result<(), String> {
         let name = self.name;
         let [Some(first), Some(second)] = axes else {
-            facts
-                .notes
-                .push(format!("{name}:{line} the names of the rotary axes are not known ($MC_AXCONF_CHANAX_NAME_TAB), so their positions and senses were not used: add the names, or give --pivot and --sense"));
+            facts.note_as(DataNoteKind::Unused, format!("{name}:{line} the names of the rotary axes are not known ($MC_AXCONF_CHANAX_NAME_TAB), so their positions and senses were not used: add the names, or give --pivot and --sense"));
             return Ok(());
         };
         let sum = |parts: &[[f64; 3]]| [0, 1, 2].map(|at| rounded(parts.iter().map(|part| part[at]).sum()));
@@ -398,7 +394,7 @@ impl Geometry<'_> {
             if let Some(direction) = direction {
                 own.direction = Some(known(crate::describe::known::signed(direction, is_plus), place, remark));
             } else {
-                facts.notes.push(format!("{name} has no vector of {axis}: give --sense"));
+                facts.note(format!("{name} has no vector of {axis}: give --sense"));
             }
         }
         facts.rotary = vec![(first, branches[0]), (second, branches[1])];
@@ -406,7 +402,7 @@ impl Geometry<'_> {
         if closing.iter().any(|part| part.abs() > ZERO) {
             let [x, y, z] = closing;
             facts.zero_shift_mm = Some(known(closing, place, remark));
-            facts.notes.push(format!(
+            facts.note(format!(
                 "{name}:{line} the chain is not closed: TRAORI shifts the zero of the workpiece by ({x}, {y}, {z}) mm; add this to the zero offsets of this file, and give no zero offsets of the control with --setup"
             ));
         }

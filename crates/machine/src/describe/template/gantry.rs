@@ -9,5 +9,6 @@ pub(super) const GANTRY: Template = Template {
     line: "gantry mill with a fixed table: the gantry X carries Y, and Y carries Z",
     travels_mm: [[0.0, 2000.0], [0.0, 1000.0], [-500.0, 0.0]],
     rotary: &[],
+    is_router: false,
     lacks: "",
 };

@@ -13,5 +13,6 @@ pub(super) const HEAD_AC: Template = Template {
         TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: Some([-360.0, 360.0]) },
         TemplateRotary { axis: Axis::A, line: [1.0, 0.0, 0.0], travel_deg: Some([-110.0, 110.0]) },
     ],
+    is_router: false,
     lacks: "",
 };

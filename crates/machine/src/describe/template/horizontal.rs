@@ -10,5 +10,6 @@ pub(super) const HORIZONTAL: Template = Template {
     line: "horizontal machining center: Z carries the table B; the column X carries Y with the spindle",
     travels_mm: [[0.0, 600.0], [0.0, 600.0], [0.0, 600.0]],
     rotary: &[TemplateRotary { axis: Axis::B, line: [0.0, 1.0, 0.0], travel_deg: None }],
+    is_router: false,
     lacks: "",
 };

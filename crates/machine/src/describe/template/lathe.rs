@@ -9,5 +9,6 @@ pub(super) const LATHE: Template = Template {
     line: "lathe with two axes: Z carries X, and X carries the turret",
     travels_mm: [[0.0, 0.0]; 3],
     rotary: &[],
+    is_router: false,
     lacks: "programs in diameters outside of Sinumerik, the position of the cutting edge of a turning tool, and a spindle that turns the workpiece",
 };

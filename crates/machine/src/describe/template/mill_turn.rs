@@ -9,5 +9,6 @@ pub(super) const MILL_TURN: Template = Template {
     line: "turning and milling center: lathe with driven tools, Y and C",
     travels_mm: [[0.0, 0.0]; 3],
     rotary: &[],
+    is_router: false,
     lacks: "programs in diameters outside of Sinumerik, the position of the cutting edge of a turning tool, and a spindle that is also the axis C",
 };

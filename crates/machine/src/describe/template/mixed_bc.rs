@@ -13,5 +13,6 @@ pub(super) const MIXED_BC: Template = Template {
         TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: None },
         TemplateRotary { axis: Axis::B, line: [0.0, 1.0, 0.0], travel_deg: Some([-30.0, 120.0]) },
     ],
+    is_router: false,
     lacks: "",
 };

@@ -34,6 +34,8 @@ pub struct Template {
     pub travels_mm: [[f64; 2]; 3],
     /// Rotary axes.
     pub rotary: &'static [TemplateRotary],
+    /// True for a router, whose owner usually has a ruler and no laser.
+    pub is_router: bool,
     /// Parts of such a machine that the machine file lacks; empty if it describes the machine.
     pub lacks: &'static str,
 }

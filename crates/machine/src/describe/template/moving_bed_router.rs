@@ -9,5 +9,6 @@ pub(super) const MOVING_BED_ROUTER: Template = Template {
     line: "router with a moving bed: Y carries the workpiece; the fixed portal carries X, and X carries Z",
     travels_mm: [[0.0, 300.0], [0.0, 180.0], [-45.0, 0.0]],
     rotary: &[],
+    is_router: true,
     lacks: "",
 };

@@ -13,5 +13,6 @@ pub(super) const NUTATING_HEAD: Template = Template {
         TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: Some([-360.0, 360.0]) },
         TemplateRotary { axis: Axis::B, line: [0.0, 1.0, 1.0], travel_deg: Some([-180.0, 180.0]) },
     ],
+    is_router: false,
     lacks: "",
 };

@@ -13,5 +13,6 @@ pub(super) const NUTATING_TABLE: Template = Template {
         TemplateRotary { axis: Axis::B, line: [0.0, 1.0, 1.0], travel_deg: Some([0.0, 180.0]) },
         TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: None },
     ],
+    is_router: false,
     lacks: "",
 };

@@ -9,5 +9,6 @@ pub(super) const ROUTER: Template = Template {
     line: "router with a fixed bed: the gantry Y carries X, and X carries Z",
     travels_mm: [[0.0, 600.0], [0.0, 900.0], [-80.0, 0.0]],
     rotary: &[],
+    is_router: true,
     lacks: "",
 };

@@ -13,5 +13,6 @@ pub(super) const TRUNNION_AC: Template = Template {
         TemplateRotary { axis: Axis::A, line: [1.0, 0.0, 0.0], travel_deg: Some([-120.0, 30.0]) },
         TemplateRotary { axis: Axis::C, line: [0.0, 0.0, 1.0], travel_deg: None },
     ],
+    is_router: false,
     lacks: "",
 };

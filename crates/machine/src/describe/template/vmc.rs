@@ -9,5 +9,6 @@ pub(super) const VMC: Template = Template {
     line: "C-frame vertical mill with a cross table: the saddle Y carries the table X; Z carries the spindle",
     travels_mm: [[0.0, 500.0], [0.0, 400.0], [-500.0, 0.0]],
     rotary: &[],
+    is_router: false,
     lacks: "",
 };

@@ -10,5 +10,6 @@ pub(super) const VMC_A: Template = Template {
     line: "C-frame vertical mill with a rotary table A on its cross table",
     travels_mm: [[0.0, 500.0], [0.0, 400.0], [-500.0, 0.0]],
     rotary: &[TemplateRotary { axis: Axis::A, line: [1.0, 0.0, 0.0], travel_deg: None }],
+    is_router: false,
     lacks: "",
 };

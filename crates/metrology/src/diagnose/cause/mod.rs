@@ -13,6 +13,7 @@ pub(in crate::diagnose) mod common_scale;
 pub(in crate::diagnose) mod cross;
 pub(in crate::diagnose) mod drift;
 pub(in crate::diagnose) mod earlier;
+mod id;
 mod load;
 pub(in crate::diagnose) mod location;
 pub(in crate::diagnose) mod motion;
@@ -38,6 +39,7 @@ use super::extend::change::Change;
 use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
+pub use id::CauseId;
 use ncfix_base::geometry::Axis;
 use ncfix_base::register::{Register, Registered};
 use ncfix_model::ParameterName;
@@ -348,10 +350,16 @@ impl Candidate {
         }
     }
 
-    /// Its effect and parameter, as `location EC0X`.
+    /// Its identity in explanations: its effect and parameter, which its variants share.
+    #[must_use]
+    pub fn id(&self) -> CauseId {
+        CauseId::Effect(self.cause.effect, self.parameter.clone())
+    }
+
+    /// Its effect and parameter as text, as `location EC0X`.
     #[must_use]
     pub fn title(&self) -> String {
-        format!("{} {}", self.cause.effect, self.parameter).trim_end().to_owned()
+        self.id().to_string()
     }
 
     /// Adds its drivers.
@@ -363,7 +371,7 @@ impl Candidate {
 
     /// Plausibility rank: among equally good candidates, the one with the lowest rank is named.
     #[must_use]
-    pub fn far_fetched(&self) -> u32 {
+    pub fn plausibility_rank(&self) -> u32 {
         let of_effect = match self.cause.effect {
             EffectKind::Location => 0,
             EffectKind::Backlash => 2,

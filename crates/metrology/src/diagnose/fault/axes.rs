@@ -89,18 +89,45 @@ impl ColumnMeaning {
     }
 
     /// Names of the changed columns, and their fault.
-    fn words(&self, columns: [&str; 3]) -> (String, &'static str) {
+    fn words(&self, columns: [&str; 3]) -> (String, ColumnFault) {
         let named = |is_one: &dyn Fn(usize) -> bool| -> Vec<&str> {
             (0..3).filter(|&k| is_one(k)).map(|k| columns[k]).collect()
         };
         let moved = named(&|k| self.permutation[k] != k);
         let reversed = named(&|k| self.sign[k] < 0.0);
-        let what = match (moved.is_empty(), reversed.is_empty()) {
-            (false, true) => "swapped",
-            (true, _) => "reversed",
-            (false, false) => "swapped and reversed",
+        let fault = match (moved.is_empty(), reversed.is_empty()) {
+            (false, true) => ColumnFault::Swapped,
+            (true, _) => ColumnFault::Reversed,
+            (false, false) => ColumnFault::SwappedAndReversed,
         };
-        (if moved.is_empty() { reversed } else { moved }.join(" "), what)
+        (if moved.is_empty() { reversed } else { moved }.join(" "), fault)
+    }
+}
+
+/// Fault of columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ColumnFault {
+    /// They are exchanged.
+    Swapped,
+    /// They have the opposite sign.
+    Reversed,
+    /// They are exchanged, and some have the opposite sign.
+    SwappedAndReversed,
+}
+
+impl ColumnFault {
+    fn is_reversed(self) -> bool {
+        self != ColumnFault::Swapped
+    }
+}
+
+impl std::fmt::Display for ColumnFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            ColumnFault::Swapped => "swapped",
+            ColumnFault::Reversed => "reversed",
+            ColumnFault::SwappedAndReversed => "swapped and reversed",
+        })
     }
 }
 
@@ -118,6 +145,8 @@ struct SwappedAxes {
     of_positions: bool,
     name: String,
     what: String,
+    /// True if a column may have the opposite sign, in this assignment or in one that is as good.
+    may_be_reversed: bool,
     left: [f64; 2],
     beside: Allowance,
 }
@@ -167,7 +196,7 @@ fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &SwappedAxes) -> bool
     let machine = view.scene.machine;
     let Some(as_is) = left(machine, view.scene, &sets, f64::INFINITY) else { return false };
     let single = by_one_cause(machine, &sets, &as_is) / as_is.values.len().max(1) as f64;
-    let factor = if told.what.contains("reversed") { 1.0 / TIE } else { TIE };
+    let factor = if told.may_be_reversed { 1.0 / TIE } else { TIE };
     single < factor * told.left[1]
 }
 
@@ -226,8 +255,15 @@ fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noi
         }
         if left[1] < FITS * noise {
             let way = ColumnMeaning { permutation: PERMUTATIONS[0], sign: [-1.0; 3] };
-            let told =
-                SwappedAxes { way, of_positions: false, name: String::new(), what: "reversed".into(), left, beside };
+            let told = SwappedAxes {
+                way,
+                of_positions: false,
+                name: String::new(),
+                what: ColumnFault::Reversed.to_string(),
+                may_be_reversed: true,
+                left,
+                beside,
+            };
             return (left[0] > WORSE * left[1]).then_some(told);
         }
     }
@@ -307,13 +343,15 @@ impl Left<'_> {
         }
         let mut simple = good().filter(|(way, _)| way.moved() == simplest);
         let (way, left) = simple.next()?;
-        let (name, what) = way.words(self.columns);
-        let mut what = what.to_owned();
+        let (name, fault) = way.words(self.columns);
+        let (mut what, mut may_be_reversed) = (fault.to_string(), fault.is_reversed());
         // The set-ups hide which one it is, but it is certainly one of them.
         for (other, how) in simple.map(|(way, _)| way.words(self.columns)) {
             what.push_str(&format!(", or {other} {how}"));
+            may_be_reversed |= how.is_reversed();
         }
         let of_positions = self.columns == POSITIONS;
-        Some(SwappedAxes { way: *way, of_positions, name, what, left: [as_is, *left], beside: self.beside })
+        let left = [as_is, *left];
+        Some(SwappedAxes { way: *way, of_positions, name, what, may_be_reversed, left, beside: self.beside })
     }
 }

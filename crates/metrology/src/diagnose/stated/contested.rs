@@ -1,7 +1,7 @@
 //! Findings that a stated hypothesis contests: it explains the same readings at least nearly as well, and acts in another way elsewhere. Such a finding is
 //! not certain.
 
-use super::super::cause::Candidate;
+use super::super::cause::{Candidate, CauseId};
 use super::super::doubt::{ExtrapolationRisk, is_bounded, leaves, sum};
 use super::super::separate::separating;
 use super::super::undecided::{RivalCause, share_out};
@@ -56,7 +56,7 @@ pub(super) fn contested(
         return Vec::new();
     }
     // At even odds: the user has a reason to state it.
-    let rival = RivalCause { cause: text.to_owned(), probability: 1.0 / (1.0 + better.exp()) };
+    let rival = RivalCause { cause: CauseId::Stated(text.to_owned()), probability: 1.0 / (1.0 + better.exp()) };
     let of = |own: &&Candidate| ContestedFinding {
         key: key(own),
         rival: rival.clone(),
@@ -76,7 +76,7 @@ pub(super) fn share(contested: &[ContestedFinding], found: &mut DiagnosedCauses)
         let is_certain = finding.is_certain();
         finding.nature_share = finding.nature_share.min(own);
         finding.probability = finding.probability.map(|probability| probability.min(own));
-        share_out(&mut found.explanations, &finding.candidate.title(), own, std::slice::from_ref(&one.rival));
+        share_out(&mut found.explanations, &finding.candidate.id(), own, std::slice::from_ref(&one.rival));
         if is_certain && finding.is_certain() {
             continue;
         }
@@ -84,8 +84,10 @@ pub(super) fn share(contested: &[ContestedFinding], found: &mut DiagnosedCauses)
         finding.rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         if finding.doubt.is_none() {
             finding.separate_by = Some(one.separate_by.clone());
-            finding.doubt =
-                Some(ExtrapolationRisk { rivals: vec![one.rival.cause.clone()], separate_by: one.separate_by.clone() });
+            finding.doubt = Some(ExtrapolationRisk {
+                rivals: vec![one.rival.cause.to_string()],
+                separate_by: one.separate_by.clone(),
+            });
         }
     }
 }

@@ -4,12 +4,13 @@
 //! not require optional codes of the control.
 
 use super::super::{Writer, WriterOptions};
-use super::{Flavour, Language};
+use super::{Flavour, Language, UnitCodes};
 use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Fanuc,
     dialect: "fanuc",
+    units: UnitCodes::G20AndG21,
     assumed: "G21 G90 G40",
     replaced: &["G20", "G21", "G90", "G91", "G40", "G41", "G42", "G80"],
     is_pointed: true,

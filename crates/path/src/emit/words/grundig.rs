@@ -8,12 +8,13 @@
 //! The order of the few micrometers that the correction adds in other axes has no effect. G27 and G28 are passed through.
 
 use super::super::{Writer, WriterOptions};
-use super::{Flavour, Language};
+use super::{Flavour, Language, UnitCodes};
 use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Grundig,
     dialect: "grundig",
+    units: UnitCodes::G70AndG71,
     assumed: "G71 G90 G40",
     replaced: &["G70", "G71", "G90", "G91", "G40", "G41", "G42", "G43", "G44"],
     is_pointed: false,

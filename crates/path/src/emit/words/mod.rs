@@ -42,13 +42,24 @@ enum Language {
     Grundig,
 }
 
+/// Codes of the unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum UnitCodes {
+    /// G20 and G21.
+    G20AndG21,
+    /// G70 and G71.
+    G70AndG71,
+}
+
 /// Differences between the languages.
 #[derive(Debug)]
 struct Flavour {
     language: Language,
     /// Name of the dialect.
     dialect: &'static str,
-    /// Assumptions of the output, written before its first words.
+    /// Codes of inches and millimeters.
+    units: UnitCodes,
+    /// Assumptions of the output in millimeters, written before its first words. The code of the unit is the first one.
     assumed: &'static str,
     /// Codes that [`Self::assumed`] replaces wherever the program has them.
     replaced: &'static [&'static str],
@@ -97,11 +108,11 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers.rotary = numbers.rotary.pointed();
     }
     // The output is absolute, in one unit.
-    let in_force: &[&str] = match (flavour.assumed.starts_with("G21"), options.increments.unit_mm == 1.0) {
-        (true, true) => &["G90", "G21"],
-        (true, false) => &["G90", "G20"],
-        (false, true) => &["G90", "G71"],
-        (false, false) => &["G90", "G70"],
+    let in_force: &[&str] = match (flavour.units, options.increments.unit_mm == 1.0) {
+        (UnitCodes::G20AndG21, true) => &["G90", "G21"],
+        (UnitCodes::G20AndG21, false) => &["G90", "G20"],
+        (UnitCodes::G70AndG71, true) => &["G90", "G71"],
+        (UnitCodes::G70AndG71, false) => &["G90", "G70"],
     };
     let line = LineBuilder::new(options.crlf, KeptLines::new(in_force, true, flavour.is_pointed))
         .no_longer_than(flavour.longest);

@@ -4,12 +4,13 @@
 //! the joints of pieces.
 
 use super::super::{Writer, WriterOptions};
-use super::{Flavour, Language};
+use super::{Flavour, Language, UnitCodes};
 use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Rs274,
     dialect: "rs274",
+    units: UnitCodes::G20AndG21,
     assumed: "G21 G90 G91.1 G40",
     // G80 would end the motion mode, and is in one group with the motion of its line.
     replaced: &["G20", "G21", "G90", "G91", "G90.1", "G91.1", "G40", "G41", "G42", "G41.1", "G42.1", "G80"],

@@ -42,11 +42,13 @@ pub(super) struct Act {
     /// Its text as written.
     pub(super) text: String,
     number: Option<f64>,
+    /// True for a frame statement that ends the frame: `TRANS` without an axis.
+    ends_frame: bool,
 }
 
 impl Act {
     fn new(origin: Origin, subject: ActSubject, text: String) -> Act {
-        Act { origin, subject, text, number: None }
+        Act { origin, subject, text, number: None, ends_frame: false }
     }
 
     /// `true` if both have the same effect.
@@ -72,9 +74,6 @@ impl Act {
         }
     }
 }
-
-/// Text of a frame statement that ends the frame: `TRANS` without an axis.
-const NO_FRAME: &str = "Translate";
 
 /// The acts between two moves.
 #[derive(Clone, Debug, Default)]
@@ -166,9 +165,7 @@ impl Acts {
             Kind::Frame(FrameWords::Statement(one)) => {
                 // It replaces the frame, so that an end of the frame directly before it does nothing.
                 let replaces = !one.additive && !matches!(one.kind, FrameKind::Coarse | FrameKind::Fine);
-                if replaces
-                    && self.0.last().is_some_and(|last| last.subject == ActSubject::Frame && last.text == NO_FRAME)
-                {
+                if replaces && self.0.last().is_some_and(|last| last.ends_frame) {
                     self.0.pop();
                 }
                 let values = one.named.iter().map(|axis| {
@@ -182,7 +179,9 @@ impl Acts {
                     if one.additive { " additive" } else { "" },
                     values.collect::<String>()
                 );
-                self.0.push(Act::new(origin, ActSubject::Frame, text));
+                let is_empty = one.named.is_empty() && one.in_plane_rad.is_none();
+                let ends_frame = one.kind == FrameKind::Translate && !one.additive && is_empty;
+                self.0.push(Act { ends_frame, ..Act::new(origin, ActSubject::Frame, text) });
             }
             _ => {}
         }
@@ -349,7 +348,7 @@ fn of_word(word: &Word, origin: Origin) -> Act {
     };
     // The number of a spindle and the letter belong to what it is.
     let is_plain = word.extension.is_none() && subject != ActSubject::Auxiliary;
-    Act { origin, subject, text, number: number.filter(|_| is_plain) }
+    Act { number: number.filter(|_| is_plain), ..Act::new(origin, subject, text) }
 }
 
 /// Subject of an M function.

@@ -5,8 +5,8 @@ use ncfix_machine::machine::{Kinematics, TipPath};
 use ncfix_model::Model;
 
 use super::ahead::MovesAhead;
+use super::divergence::Divergence;
 use super::judge::{Judge, PlaceInMove, TipDeviation};
-use super::parting::Parting;
 use super::step::ComparedMove;
 use super::{Course, Follow, Grouping, SAME_END_MM};
 use crate::path::Prediction;
@@ -88,14 +88,14 @@ impl MoveGroup<'_> {
         prediction: &mut Prediction,
         see: &mut dyn FnMut(Follow<'_>),
         judge: &mut Judge<'_>,
-    ) -> Result<Offset, Parting> {
+    ) -> Result<Offset, Divergence> {
         let whole_mm = self.step.route.size_mm();
         loop {
             let Some(piece) = corrected.next() else {
                 return Err(if corrected.has_begun {
-                    Parting::alone(self.step, "the corrected program ends before this move of the original")
+                    Divergence::alone(self.step, "the corrected program ends before this move of the original")
                 } else {
-                    Parting::guarded(self.step)
+                    Divergence::guarded(self.step)
                 });
             };
             let is_first = !self.has_begun;
@@ -139,9 +139,9 @@ impl MoveGroup<'_> {
                     (_, true, false) => "has a feed where this move of the original goes at rapid",
                     _ => "does not follow this move of the original",
                 };
-                let parting = self.parting(&piece, why, corrected.peek());
+                let divergence = self.divergence(&piece, why, corrected.peek());
                 corrected.put_back(piece);
-                return Err(parting);
+                return Err(divergence);
             }
             self.length_mm += self.size_mm(&piece);
             let offset = self.offset(&piece, 1.0);
@@ -154,9 +154,9 @@ impl MoveGroup<'_> {
             }
             if is_complete && self.off_mm(&offset) > self.meant_end_mm() {
                 let why = "does not end at the end of this move of the original";
-                let parting = self.parting(&piece, why, corrected.peek());
+                let divergence = self.divergence(&piece, why, corrected.peek());
                 corrected.put_back(piece);
-                return Err(parting);
+                return Err(divergence);
             }
             let course = Course {
                 step: self.step,
@@ -182,10 +182,10 @@ impl MoveGroup<'_> {
     }
 
     /// Describes the divergence at a piece; `next` is the following piece.
-    fn parting(&self, piece: &ComparedMove<'_>, why: &str, next: Option<&ComparedMove<'_>>) -> Parting {
+    fn divergence(&self, piece: &ComparedMove<'_>, why: &str, next: Option<&ComparedMove<'_>>) -> Divergence {
         let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
         let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
-        Parting::at(self.step, piece, why, words, is_new)
+        Divergence::at(self.step, piece, why, words, is_new)
     }
 
     /// `true` if a piece ends at the end of the original move.

@@ -10,11 +10,11 @@ mod ahead;
 mod course;
 mod detour;
 mod difference;
+mod divergence;
 mod feed;
 mod group;
 mod judge;
 mod motion_mode;
-mod parting;
 mod promise;
 mod same_text;
 mod step;
@@ -29,7 +29,7 @@ use ncfix_model::Model;
 
 pub use course::Course;
 pub use difference::{ActSubject, ProgramDifference, What};
-pub use parting::Parting;
+pub use divergence::Divergence;
 pub use promise::Promise;
 
 use ahead::{MovesAhead, omit_leads, rejoin};
@@ -146,9 +146,9 @@ pub fn compare(
 ) -> Result<Comparison, Diagnostic> {
     let how = How { grouping, feeds: [Feeds::default(); 2], promise: None, start: None };
     let found = compare_seeing(original, corrected, how, machine, model, (&mut |_| {}, &mut |_| {}));
-    found.map_err(|partings| {
+    found.map_err(|divergences| {
         let line = |origin: &Origin| format!("line {} of the corrected program", origin.line);
-        let first = partings.first().map(|parting| parting.diagnostic(line));
+        let first = divergences.first().map(|divergence| divergence.diagnostic(line));
         first.unwrap_or_else(|| {
             Diagnostic::nowhere(
                 Code::CANNOT_ALIGN,
@@ -160,7 +160,7 @@ pub fn compare(
 }
 
 /// Number of divergences after which the programs count as unrelated.
-const MOST_PARTINGS: usize = 20;
+const MOST_DIVERGENCES: usize = 20;
 
 /// As [`compare`]; also reports every piece of the corrected program and every difference that is not a correction.
 ///
@@ -173,7 +173,7 @@ pub fn compare_seeing(
     machine: &Machine,
     model: &Model,
     (see, differ): (See<'_>, Differ<'_>),
-) -> Result<Comparison, Vec<Parting>> {
+) -> Result<Comparison, Vec<Divergence>> {
     let lead = Lead::new(model, machine);
     // A correction without the transformation has divided the paths of the tip.
     let in_axes = promise.is_some_and(|promise| promise.in_axes);
@@ -187,7 +187,7 @@ pub fn compare_seeing(
     let mut prediction = Prediction::default();
     let mut judge = Judge::new(promise, machine, differ);
     let mut carried = Offset::default();
-    let mut partings: Vec<Parting> = Vec::new();
+    let mut divergences: Vec<Divergence> = Vec::new();
     loop {
         omit_leads(&mut original, &mut corrected);
         let Some(mut step) = original.next() else { break };
@@ -206,7 +206,7 @@ pub fn compare_seeing(
         judge.begin(original.peek().is_some_and(|next| step.runs_into(next)));
         match group.follow(&mut corrected, &mut prediction, see, &mut judge) {
             Ok(offset) => carried = offset,
-            Err(mut parting) => {
+            Err(mut divergence) => {
                 let is_judged = group.is_judged;
                 judge.part(&step);
                 let ends = |step: &ComparedMove<'_>, piece: &ComparedMove<'_>| {
@@ -214,22 +214,23 @@ pub fn compare_seeing(
                     MoveGroup::new(model, grouping, of, step, Offset::default()).ends_at(piece)
                 };
                 if let (Some(next), Some(piece)) = (original.peek(), corrected.peek())
-                    && parting.corrected == Some(piece.origin)
+                    && divergence.corrected == Some(piece.origin)
                     && ends(next, piece)
                 {
-                    parting.lacks_a_move();
+                    divergence.lacks_a_move();
                 }
-                partings.push(parting);
+                divergences.push(divergence);
                 if is_judged {
                     step.acts.clear();
                 }
                 original.put_back(step);
-                let passed = (partings.len() < MOST_PARTINGS).then(|| rejoin(&mut original, &mut corrected, ends));
+                let passed =
+                    (divergences.len() < MOST_DIVERGENCES).then(|| rejoin(&mut original, &mut corrected, ends));
                 let Some(passed) = passed.flatten() else {
                     if let (Some(step), Some(piece)) = (original.peek(), corrected.peek()) {
                         judge.lose(step, piece);
                     }
-                    return Err(partings);
+                    return Err(divergences);
                 };
                 let [own, other] = passed.map(|steps| steps.into_iter().flat_map(|step| step.acts).collect::<Vec<_>>());
                 judge.rest(&own, &other);
@@ -241,15 +242,15 @@ pub fn compare_seeing(
     for step in corrected {
         if step.route.size_mm() > SAME_END_MM {
             let why = "continues to move after the end of the original";
-            partings.push(Parting::at(&step, &step, why, [step.route.end; 2], false));
-            return Err(partings);
+            divergences.push(Divergence::at(&step, &step, why, [step.route.end; 2], false));
+            return Err(divergences);
         }
         rest.extend(step.acts);
     }
     rest.append(&mut tails[1].borrow_mut());
     judge.rest(&tails[0].borrow(), &rest);
-    if !partings.is_empty() {
-        return Err(partings);
+    if !divergences.is_empty() {
+        return Err(divergences);
     }
     let places = prediction.places();
     Ok(Comparison { places, ..prediction.counted().into() })

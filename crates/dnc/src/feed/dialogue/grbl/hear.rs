@@ -23,6 +23,7 @@ use super::counts::CountVerdict;
 use super::place::StandstillVerdict;
 use super::status::{GrblReport, GrblState};
 use super::{ASK_EVERY, Event, Grbl, HOLD, MARGIN, NO_LINE, RUN_UP, STEPPED, State, Wire};
+use crate::feed::dialogue::LossKind;
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
 use crate::feed::dialogue::position::elsewhere;
@@ -301,7 +302,7 @@ impl Grbl {
                 StandstillVerdict::Differs(why) => {
                     // Every line was answered, and the dwell after it.
                     self.confirm(events);
-                    return self.lost(&elsewhere(&why), events);
+                    return self.lose(LossKind::AtAnotherPosition, &elsewhere(&why), events);
                 }
                 StandstillVerdict::Done(agreed) => agreed,
             };

@@ -22,7 +22,7 @@ use super::answers::{Answers, counted};
 use super::barrier::Barrier;
 use super::depth::Depth;
 use super::zeros::ZeroWatch;
-use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, LossKind, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
 use place::ReportedPlace;
 
@@ -224,9 +224,13 @@ impl Grbl {
     }
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.lose(LossKind::Other, why, events);
+    }
+
+    fn lose(&mut self, kind: LossKind, why: &str, events: &mut Vec<Event>) {
         self.ended_early = self.state == State::Open;
         self.state = State::Over;
-        events.push(Event::Lost(why.to_owned()));
+        events.push(Event::Lost(kind, why.to_owned()));
     }
 }
 

@@ -19,7 +19,7 @@ use super::greeting::{self, Reply};
 use super::mdi::{Words, words};
 use super::position::{CommandedPosition, PositionComparison, elsewhere};
 use super::zeros::{ZeroSource, ZeroWatch};
-use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, LossKind, Profile, Protocol, Wire, check_text};
 use place::StatedPlace;
 
 /// Entry of this dialogue; profiles select it by its name.
@@ -281,7 +281,10 @@ impl Rsh {
                     self.under_way = Some(UnderWay { answered: BEFORE_PLACE, ..line });
                     wire.push(PLACE_AGAIN);
                 }
-                PositionComparison::Differs(why) => self.lost(&format!("{} {which}", elsewhere(&why)), events),
+                PositionComparison::Differs(why) => {
+                    let why = format!("{} {which}", elsewhere(&why));
+                    self.lose(LossKind::AtAnotherPosition, &why, events);
+                }
                 compared => {
                     let agreed = if let PositionComparison::Agrees(axes) = compared { Some(axes) } else { None };
                     (self.looks, self.agreed) = (0, agreed);
@@ -312,8 +315,12 @@ impl Rsh {
     }
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.lose(LossKind::Other, why, events);
+    }
+
+    fn lose(&mut self, kind: LossKind, why: &str, events: &mut Vec<Event>) {
         self.state = State::Over;
-        events.push(Event::Lost(why.trim_end_matches([' ', '.']).to_owned()));
+        events.push(Event::Lost(kind, why.trim_end_matches([' ', '.']).to_owned()));
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::decode::{self, NO_FILE, ProgramState, SelectedProgram, TelegramRefusal};
 use super::run::RunVerdict;
 use super::telegram::Telegram;
-use super::{BUFFERS, Event, Layer, Lsv2, MOST_MESSAGES, SURPLUS, Step, Wire, impossible};
+use super::{BUFFERS, Event, Layer, LossKind, Lsv2, MOST_MESSAGES, SURPLUS, Step, Wire, impossible};
 
 impl Lsv2 {
     pub(super) fn answer(&mut self, telegram: &Telegram, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
@@ -290,7 +290,7 @@ impl Lsv2 {
             self.ask(Step::Logout, now, wire);
         } else {
             self.step = Step::Over;
-            events.push(Event::Lost(format!("{why}; {of_file}")));
+            events.push(Event::Lost(LossKind::Other, format!("{why}; {of_file}")));
         }
     }
 

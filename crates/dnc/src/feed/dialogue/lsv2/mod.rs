@@ -31,7 +31,7 @@ use self::run::{ControlReports, FileRun};
 use self::serial::SerialFrames;
 use self::telegram::{TcpTelegrams, Telegram};
 use super::answers::{impossible, shown};
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, Halt, Line, LossKind, Profile, Protocol, Wire, check_text};
 use crate::feed::profile::FileOptions;
 
 /// Entry of the dialogue over TCP; profiles select it by its name.
@@ -275,7 +275,7 @@ impl Lsv2 {
         let before = self.why.take().filter(|why| !why.is_empty()).map_or(String::new(), |why| format!("{why}; "));
         self.step = Step::Over;
         let why = why.trim_end_matches([' ', '.']);
-        events.push(Event::Lost(format!("{before}{why}; {}", self.of_file())));
+        events.push(Event::Lost(LossKind::Other, format!("{before}{why}; {}", self.of_file())));
     }
 
     /// Describes what the control has of the file.

@@ -26,7 +26,7 @@ use super::barrier::Barrier;
 use super::depth::Depth;
 use super::position::{CommandedPosition, PositionComparison, elsewhere};
 use super::zeros::{ZeroSource, ZeroWatch};
-use super::{Dialogue, Event, ExpectedZero, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, ExpectedZero, Halt, Line, LossKind, Profile, Protocol, Wire, check_text};
 use commands::MarlinCommands;
 use zero::{DETAIL, StatedOffset};
 
@@ -233,8 +233,12 @@ impl Marlin {
     }
 
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.lose(LossKind::Other, why, events);
+    }
+
+    fn lose(&mut self, kind: LossKind, why: &str, events: &mut Vec<Event>) {
         self.state = State::Over;
-        events.push(Event::Lost(why.to_owned()));
+        events.push(Event::Lost(kind, why.to_owned()));
     }
 
     /// Notes that the text under way was taken; `is_checked` if its answer contained its number.
@@ -275,7 +279,9 @@ impl Marlin {
                 self.look(now, wire);
             }
             What::Where => match self.commanded.compare(&self.reported) {
-                PositionComparison::Differs(why) if self.looks >= MOST_LOOKS => self.lost(&elsewhere(&why), events),
+                PositionComparison::Differs(why) if self.looks >= MOST_LOOKS => {
+                    self.lose(LossKind::AtAnotherPosition, &elsewhere(&why), events);
+                }
                 PositionComparison::Differs(_) => self.look(now, wire),
                 PositionComparison::Agrees(axes) => {
                     self.agreed = Some(axes);

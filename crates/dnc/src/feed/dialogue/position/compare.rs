@@ -4,9 +4,6 @@ use ncfix_base::units::MM_PER_INCH;
 
 use super::{CommandedPosition, is_rotary, slot};
 
-/// Beginning of the reason if the control reports another position than the lines sent command.
-pub const ELSEWHERE: &str = "the control is at another position";
-
 /// Permitted difference of a linear axis, mm: half a step of a drive with 10 steps/mm, the coarsest in use.
 const LINEAR_MM: f64 = 0.05;
 /// Permitted difference of a rotary axis, degrees: half a step of a drive with 5 steps/°.
@@ -81,7 +78,7 @@ impl CommandedPosition {
 /// Returns the reason that ends a job if the position differs, from the sentence with both positions.
 pub(in crate::feed::dialogue) fn elsewhere(why: &str) -> String {
     format!(
-        "{ELSEWHERE}: {why}; a line was accepted and not executed, or a person has moved the axes or changed the zero offset"
+        "the control is at another position: {why}; a line was accepted and not executed, or a person has moved the axes or changed the zero offset"
     )
 }
 

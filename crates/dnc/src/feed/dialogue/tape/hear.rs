@@ -19,6 +19,7 @@
 use std::time::Duration;
 
 use super::{Event, State, Tape, Wire};
+use crate::feed::dialogue::LossKind;
 use crate::feed::dialogue::answers::impossible;
 
 const NUL: u8 = 0x00;
@@ -42,7 +43,7 @@ impl Tape {
         self.state = State::Over;
         self.out.clear();
         wire.clear();
-        events.push(Event::Lost(why.to_owned()));
+        events.push(Event::Lost(LossKind::Other, why.to_owned()));
     }
 
     pub(super) fn hear_byte(&mut self, byte: u8, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {

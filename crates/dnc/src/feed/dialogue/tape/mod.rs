@@ -327,7 +327,7 @@ mod tests {
         for (byte, word) in [(0x16, "reset"), (0x15, "alarm")] {
             let (mut tape, mut wire, mut events) = opened("fanuc-rs232");
             tape.hear(&[0x13, byte], Duration::ZERO, &mut wire, &mut events);
-            assert!(matches!(events.last(), Some(Event::Lost(why)) if why.contains(word)), "{events:?}");
+            assert!(matches!(events.last(), Some(Event::Lost(_, why)) if why.contains(word)), "{events:?}");
         }
     }
 

@@ -11,7 +11,7 @@ const OTHER_END: f64 = 0.1;
 
 /// A place at which the programs diverge.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parting {
+pub struct Divergence {
     /// The move of the original.
     pub original: Origin,
     /// The line of the corrected program; `None` if that program has ended.
@@ -22,16 +22,16 @@ pub struct Parting {
     is_guarded: bool,
 }
 
-impl Parting {
+impl Divergence {
     /// A divergence without a line of the corrected program.
-    pub(super) fn alone(step: &ComparedMove<'_>, why: &str) -> Parting {
-        Parting { original: step.origin, corrected: None, why: why.to_owned(), is_guarded: false }
+    pub(super) fn alone(step: &ComparedMove<'_>, why: &str) -> Divergence {
+        Divergence { original: step.origin, corrected: None, why: why.to_owned(), is_guarded: false }
     }
 
     /// A corrected program that ends before its first move.
-    pub(super) fn guarded(step: &ComparedMove<'_>) -> Parting {
+    pub(super) fn guarded(step: &ComparedMove<'_>) -> Divergence {
         let why = "the corrected program ends before its first move; a guard (--guard) ends it if a zero offset or tool differs from the correction";
-        Parting { is_guarded: true, ..Parting::alone(step, why) }
+        Divergence { is_guarded: true, ..Divergence::alone(step, why) }
     }
 
     /// A divergence at a piece; `words` are the ends of the move and of the piece as written. `is_new` if the next piece ends the move.
@@ -41,7 +41,7 @@ impl Parting {
         why: &str,
         words: [AxisVector; 2],
         is_new: bool,
-    ) -> Parting {
+    ) -> Divergence {
         let others = AXES.into_iter().filter(|&axis| (words[0][axis] - words[1][axis]).abs() > OTHER_END);
         let ends = others.map(|axis| {
             let [wanted, found] =
@@ -56,7 +56,7 @@ impl Parting {
         if is_new {
             why.push_str("; it may be new, because the next line ends this move");
         }
-        Parting { original: step.origin, corrected: Some(piece.origin), why, is_guarded: false }
+        Divergence { original: step.origin, corrected: Some(piece.origin), why, is_guarded: false }
     }
 
     /// Adds that the piece ends the next move of the original.
