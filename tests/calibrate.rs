@@ -51,6 +51,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         ranges: Vec::new(),
         conditions: Vec::new(),
         is_in_order: true,
+        is_order_stated: true,
         is_unit_stated: false,
         is_square_stated: false,
         sensors: None,

@@ -76,6 +76,16 @@ fn length_and_center_of_a_ball_bar_have_many_names() {
     }
 }
 
+/// The line of the axis has several names, and contradicts another axis of the option.
+#[test]
+fn a_line_with_another_axis_is_refused_whatever_its_name() {
+    for key in ["Axis", "Linear axis", "Linearachse", "Measured axis", "Achse"] {
+        let text = format!("{key};Y\nTarget [mm];1+ [um]\n0;0.1\n100;2.1\n200;3.3\n");
+        let shop = shop().file("axis.csv", text);
+        import(&shop, "axis.csv", "tool.toml", &["--axis", "X"]).exits(4).says("--axis X contradicts the file");
+    }
+}
+
 /// The length of a ball-bar is an unknown, unless the file or the option says that it is calibrated.
 #[test]
 fn a_calibrated_ball_bar_has_no_unknown_length() {

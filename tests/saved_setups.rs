@@ -184,6 +184,21 @@ fn tools_of_a_heidenhain_are_read_by_their_columns() {
     shown("sinumerik", "", "PRESET.PR", presets).exits(4).says("Heidenhain table").says("presets");
 }
 
+/// A file that was cut off, or in which one value stands twice, has a value that the control does not have.
+#[test]
+fn a_cut_or_contradictory_file_is_refused() {
+    let cut = "BEGIN TOOL.T MM\nT     NAME             L          R        DL       DR\n5     MILL             +10";
+    shown("sinumerik", "", "TOOL.T", cut).exits(4).says("[END]");
+    let unit = "saved_unit = \"mm\"";
+    let table = |second: &str| format!("T1 P1 Z80.25 D6 ;mill\nT1 P2 Z{second} D6\n");
+    shown("rs274", unit, "tool.tbl", &table("10")).exits(4).says("two different values of tool 1");
+    shown("rs274", unit, "tool.tbl", &table("80.25")).exits(0);
+    let variables = |second: &str| VARIABLES.to_owned() + &format!("5221\t{second}\n");
+    shown("rs274", unit, "mill.var", &variables("-7.5")).exits(4).says("second, different value of 5221");
+    let grbl = "[G54:-10.000,-5.000,-1.000]\n[G54:-20.000,-5.000,-1.000]\n";
+    shown("rs274", unit, "grbl.txt", grbl).exits(4).says("two different values of G54");
+}
+
 #[test]
 fn numbered_blocks_of_a_haas_are_named() {
     shown("haas", "", "off.txt", "%\nN0 V123456\nN1 V1000\nN2 V2000\n%\n")

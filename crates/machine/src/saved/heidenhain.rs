@@ -54,6 +54,11 @@ fn read(lines: &[SavedLine<'_>], _machine: &Machine) -> Result<SavedValues, Diag
             first.fault("the line with the column names T and L is missing", "save the table at the control again")
         );
     };
+    // The control ends each table with this line: without it, the last row may lack digits.
+    if let Some(last) = lines.last().filter(|last| !last.text.trim_start().starts_with("[END]")) {
+        let help = "save the table again; if it is complete, write [END] in a last line";
+        return Err(last.fault("the table does not end with [END], so its end is missing", help));
+    }
     let columns = columns(&lines[at].text);
     for line in lines[at + 1..].iter().take_while(|line| !line.text.trim_start().starts_with("[END]")) {
         let letters: Vec<char> = line.text.chars().collect();

@@ -57,8 +57,14 @@ fn is(lines: &[SavedLine<'_>]) -> bool {
 }
 
 fn read(lines: &[SavedLine<'_>], machine: &Machine) -> Result<SavedValues, Diagnostic> {
-    let values: BTreeMap<u32, (f64, &SavedLine<'_>)> =
-        lines.iter().filter_map(|line| pair(line).map(|(key, value)| (key, (value, line)))).collect();
+    let mut values: BTreeMap<u32, (f64, &SavedLine<'_>)> = BTreeMap::new();
+    for line in lines {
+        let Some((key, value)) = pair(line) else { continue };
+        if values.insert(key, (value, line)).is_some_and(|(other, _)| other != value) {
+            let help = "remove the line that is not in force, or save the file again";
+            return Err(line.fault(format!("a second, different value of {key}"), help));
+        }
+    }
     let get = |key: u32| values.get(&key).map_or(0.0, |(value, _)| *value);
     let Some(first) = lines.first() else { return Ok(SavedValues::default()) };
     let unit = SavedUnit::required(machine, first)?;

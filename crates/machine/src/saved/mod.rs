@@ -11,6 +11,8 @@ mod linuxcnc_tools;
 mod linuxcnc_variables;
 pub mod zero_shift;
 
+use std::collections::BTreeMap;
+
 use crate::machine::zero_offset::foreign_axis;
 use crate::machine::{Machine, Setting, Tool};
 use ncfix_base::diagnostic::Diagnostic;
@@ -55,6 +57,26 @@ struct SavedValues {
     warnings: Vec<Diagnostic>,
 }
 
+impl SavedValues {
+    /// The name of an offset or a tool that the file has twice, with different values: the control has only one of them.
+    fn contradiction(&self) -> Option<String> {
+        let mut offsets: BTreeMap<&str, &FrameParts> = BTreeMap::new();
+        for (name, parts) in &self.offsets {
+            if offsets.insert(name, parts).is_some_and(|other| other != parts) {
+                return Some(name.clone());
+            }
+        }
+        let mut tools: BTreeMap<(u32, u32), &Tool> = BTreeMap::new();
+        let differs = |one: &Tool, other: &Tool| (one.length_mm, one.radius_mm) != (other.length_mm, other.radius_mm);
+        for tool in &self.tools {
+            if tools.insert((tool.number, tool.edge), tool).is_some_and(|other| differs(tool, other)) {
+                return Some(format!("tool {}", tool.number));
+            }
+        }
+        None
+    }
+}
+
 /// Returns the format of a file; `None` if no row of [`FORMATS`] fits.
 #[must_use]
 pub fn recognized(source: &Source) -> Option<&'static SavedFormat> {
@@ -85,6 +107,10 @@ pub fn apply_saved(format: &SavedFormat, source: &Source, machine: &mut Machine)
         Ok(values) => values,
         Err(found) => return named(found),
     };
+    if let (Some(twice), Some(first)) = (values.contradiction(), lines.first()) {
+        let help = "remove the line that is not in force, or save the file again";
+        return named(first.fault(format!("the file has two different values of {twice}"), help));
+    }
     let mut offsets = values.offsets.iter().chain(&values.partial_offsets);
     if let Some(found) = offsets.find_map(|(name, parts)| foreign_axis(name, parts, machine)) {
         return named(found);

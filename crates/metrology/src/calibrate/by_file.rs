@@ -1,4 +1,4 @@
-//! What each file alone says about the parameters of the machine: its normal equations, without the unknowns of its set-ups, and its own noise.
+//! The parameters of the machine by each file alone: its normal equations, without the unknowns of its set-ups, and its own noise.
 //!
 //! The noise is that of the residuals of a fit of the file alone. The residuals of a common fit of files that contradict each other contain the contradiction.
 

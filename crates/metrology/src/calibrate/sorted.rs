@@ -19,7 +19,7 @@ const FEWEST: usize = 4;
 type SeriesKey = (usize, usize, Option<usize>);
 
 /// The axes whose directions of approach rest on nothing but the order of rows that are sorted by position. A line of one axis that was read once from end to end
-/// has one direction, so it is none of them.
+/// has one direction, so it does not count.
 #[must_use]
 pub fn sorted_axes(machine: &Machine, set: &DataSet) -> Vec<Axis> {
     let is_of_lines =

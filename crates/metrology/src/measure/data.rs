@@ -77,7 +77,7 @@ pub struct DataSet {
     /// `false` if the description states that the rows are not in the order of the motion, as in a sorted map or report: then neither a direction nor a
     /// time follows from it.
     pub is_in_order: bool,
-    /// `true` if the description states this order, or that there is none.
+    /// `true` if the description states this order, or that the rows have no order.
     pub is_order_stated: bool,
     /// `true` if the description states that the unit of the readings was stated by the instrument.
     pub is_unit_stated: bool,

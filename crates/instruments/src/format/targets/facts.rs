@@ -4,6 +4,7 @@ use ncfix_base::geometry::Axis;
 
 use crate::answers::{MeasuredComponent, component};
 use crate::grid::GridTable;
+use crate::row_fact::{RowFact, row_fact};
 use crate::text::DecodedText;
 use crate::unit::ReadingUnit;
 use crate::words;
@@ -120,8 +121,8 @@ pub(in crate::format) fn stated(text: &DecodedText, table: &GridTable) -> Stated
         }
         let Some((key, value)) = line.split_once([':', '=', ';', '\t', ',']) else { continue };
         let value = value.trim_matches([' ', ';', ',', '\t', '"']);
-        let is_key = |words: &[&str]| words.contains(&key.trim().trim_start_matches(['#', '/']).trim());
-        if is_key(&["axis", "achse", "axe", "asse", "eje"])
+        let key = key.trim().trim_start_matches(['#', '/']).trim();
+        if row_fact(key) == Some(RowFact::Axis)
             && let Some(axis) = words::axis(value)
         {
             facts.axis.get_or_insert((axis, number));
