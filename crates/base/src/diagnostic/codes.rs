@@ -1185,7 +1185,7 @@ length_sigma_um into the section [setup.A] of the description.";
 combined standard uncertainties apart. In consistent files, this happens once in 16,000 comparisons. The fitted value is a compromise, and
 possibly right for neither. Its uncertainty in the new machine file is therefore at least the distance to the value of each of the two files. One of
 the files measured another state of the machine: another date, another temperature, before and after a repair, or with another offset or
-compensation in the control. A wrong sign or a wrong column has the same effect. Find the file that describes the machine as it is now, and
+compensation in the control. A wrong sign or a wrong column has the same effect. Choose the file that describes the machine as it is now, and
 calibrate without the other one. --hold-out with the other file shows how far it is off. If both are right, the model lacks an error that differs
 between their positions: ncfix diagnose searches for it.";
     ORDER_UNKNOWN = "W0625" "rows sorted by position, without directions of approach"
@@ -1193,8 +1193,8 @@ between their positions: ncfix diagnose searches for it.";
 position, and its description does not state their order. Readings in the order of the motion can look like this: line after line,
 always from the same end. A table that a program has sorted looks the same, and its directions are wrong. ncfix calibrate would find
 a backlash that the machine does not have. It therefore takes the directions in this file as unknown, and fits no backlash to its
-readings. If the rows are in the order of the motion, write order = \"motion\" into [measurement] of the description. If they are not, add a column
-X_dir with 1 or -1 in each row, or write order = \"unknown\".";
+readings. Write order = \"motion\" into [measurement] of the description if the rows are in the order of the motion. If they are not,
+add a column X_dir with 1 or -1 in each row, or write order = \"unknown\".";
     STARVING = "W0701" "the link is too slow in places"
 "The machine executes some lines faster than the link can deliver the next ones. At these places the axes stop for a moment until
 the next line arrives, and the tool can cut a mark into the surface. All stops together are short: less than half a second, or

@@ -42,7 +42,7 @@ pub(super) fn take_as_unknown(
         let axes = sorted_axes(machine, &one.data);
         forget(&mut one.data, &axes);
         let matters: Vec<&Axis> =
-            axes.iter().filter(|axis| is_automatic || is_fitted(*axis) || is_known(*axis)).collect();
+            axes.iter().filter(|axis| is_automatic || is_fitted(axis) || is_known(axis)).collect();
         if matters.is_empty() {
             continue;
         }
