@@ -423,11 +423,11 @@ fn an_explanation_that_is_not_accepted_names_the_failed_test() {
     };
     let of_drift = CauseId::Effect(EffectKind::Drift, "Y".to_owned());
     let of_location = CauseId::Effect(EffectKind::Location, "EC0X".to_owned());
-    let alone = first(vec![drift.clone()], &[of_drift.clone()]);
+    let alone = first(vec![drift.clone()], std::slice::from_ref(&of_drift));
     assert!(alone.contains("drift Y (probability > 99 %) failed the test on left-out readings"), "{alone}");
     let two = first(vec![drift], &[of_location, of_drift.clone()]);
     assert!(two.contains("drift Y failed the test on left-out readings"), "{two}");
-    let unknown = first(Vec::new(), &[of_drift.clone()]);
+    let unknown = first(Vec::new(), std::slice::from_ref(&of_drift));
     assert!(unknown.contains("the search did not confirm"), "{unknown}");
     assert!([alone, two, unknown].iter().all(|text| !text.contains("although")));
 }

@@ -110,7 +110,7 @@ fn explained(error: clap::Error, first: &str) -> clap::Error {
     let is_unknown = is_word && definition().find_subcommand(first).is_none() && !PathBuf::from(first).exists();
     let is_alone = error.kind() == ErrorKind::MissingRequiredArgument && is_unknown;
     let has_command = error.get(ContextKind::InvalidSubcommand).is_some();
-    if !is_alone && !(has_command && error.kind() == ErrorKind::ArgumentConflict) {
+    if !(is_alone || has_command && error.kind() == ErrorKind::ArgumentConflict) {
         return error;
     }
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();
